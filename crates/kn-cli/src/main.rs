@@ -1,0 +1,2 @@
+//! The `kn` command.
+fn main() {}

@@ -1,0 +1,11 @@
+//! Triangle meshes on floats and on the sequence's integer grid, what scans need before they can
+//! be coded, and (behind features) files and the synthetic performer.
+//!
+//! Public data are plain arrays: positions `[f32; 3]` in world units or `[i32; 3]` in grid steps,
+//! faces `[u32; 3]`, one label byte per vertex.
+
+mod grid;
+mod mesh;
+
+pub use grid::{Grid, GridError};
+pub use mesh::{BoundingBox, GridMesh, Mesh};

@@ -1,0 +1,2 @@
+//! Prints what a stream holds.
+fn main() {}
