@@ -1,1 +1,17 @@
-//! See the crate README.
+//! Normative deformation: from node transforms and influence to vertex positions, bit-exact.
+//!
+//! Everything here follows `spec/08-deformation.md` operation by operation: IEEE 754 binary64, no
+//! fused multiply-add, sums in the written order. Two decoders that follow it agree in every bit,
+//! whatever the processor, the thread count or the language.
+
+mod deform;
+mod elementary;
+mod influence;
+mod transform;
+mod weights;
+
+pub use deform::{DeformError, Deformer};
+pub use elementary::{exp_neg, sin_cos};
+pub use influence::{BindError, BindOptions, Influence, InfluenceMode, bind};
+pub use transform::{Combination, NodeTransform};
+pub use weights::WeightScheme;
