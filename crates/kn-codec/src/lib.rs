@@ -1,1 +1,19 @@
-//! See the crate README.
+//! Encoder and decoder of the kn codec: what an application embeds.
+//!
+//! The decoder is normative, safe on untrusted input and bit-exact; the encoder (feature `encode`,
+//! on by default) owns the decoder's reconstruction and calls it for its reference, so that there
+//! is one copy of every decoding step.
+
+pub mod digest;
+mod error;
+mod limits;
+
+pub use error::{DecodeError, DecodeErrorKind};
+pub use limits::Limits;
+
+#[cfg(feature = "encode")]
+mod encode;
+#[cfg(feature = "encode")]
+pub use encode::{AffineChoice, EncoderConfig, GridChoice, NamePattern, UnitOfLength};
+#[cfg(feature = "encode")]
+pub use error::EncodeError;

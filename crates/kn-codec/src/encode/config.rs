@@ -1,0 +1,124 @@
+//! What an encoder can be told.
+
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_mesh::BoundingBox;
+
+/// How the sequence's grid is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GridChoice {
+    /// So many bits for the longest side of the box: step = side / (2^bits − 1).
+    Bits {
+        /// 4 to 20.
+        bits: u8,
+        /// The box of all frames, where the input could be read beforehand; else the first frame's.
+        bounds: Option<BoundingBox>,
+    },
+    /// A step in world units.
+    Step {
+        /// Finite and positive.
+        step: f64,
+        /// As for bits; here it only places the origin.
+        bounds: Option<BoundingBox>,
+    },
+}
+
+/// Which key nodes are affine; the others are rigid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AffineChoice {
+    /// All nodes are rigid.
+    None,
+    /// Nodes that carry one of these labels; the paper's choice is the torso (7).
+    Labels(Vec<u8>),
+    /// All nodes are affine.
+    All,
+}
+
+/// The unit of length of the world coordinates; carried, not interpreted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnitOfLength {
+    /// Not known.
+    #[default]
+    Unspecified,
+    /// Metres.
+    Metre,
+    /// Centimetres.
+    Centimetre,
+    /// Millimetres.
+    Millimetre,
+    /// Inches.
+    Inch,
+    /// Feet.
+    Foot,
+}
+
+/// Names of the frames: `prefix`, then the frame number with at least `digits` digits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamePattern {
+    /// Text before the number, at most 255 bytes.
+    pub prefix: String,
+    /// Smallest number of digits, padded with zeros.
+    pub digits: u8,
+    /// Number of the first frame.
+    pub first: u32,
+}
+
+/// Settings of an [`crate::Encoder`]; the default is the bi-modal preset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EncoderConfig {
+    /// The grid of the whole sequence.
+    pub grid: GridChoice,
+    /// Frames in a group of frames, 1 to 255.
+    pub group_length: u8,
+    /// Key nodes in a group of frames, 1 to 4096.
+    pub nodes: usize,
+    /// Frames per second as numerator and denominator.
+    pub frame_rate: (u32, u32),
+    /// Unit of the world coordinates.
+    pub unit: UnitOfLength,
+    /// The axis that points up: 0, 1 or 2.
+    pub up_axis: u8,
+    /// Fractional bits of reference positions, 0 to 8.
+    pub fraction_bits: u8,
+    /// Q, 1 to 8.
+    pub nodes_per_vertex: u8,
+    /// Distance to weight.
+    pub weights: WeightScheme,
+    /// What happens where a region has no node.
+    pub influence: InfluenceMode,
+    /// Which nodes are affine.
+    pub affine: AffineChoice,
+    /// Components of affine nodes.
+    pub combination: Combination,
+    /// Quantiser step of translations in grid steps; the steps of the other components follow from
+    /// it and the reach of a node.
+    pub motion_step: f64,
+    /// Whether frames carry digests (8 bytes each).
+    pub digests: bool,
+    /// Names of the frames, where they follow a pattern.
+    pub names: Option<NamePattern>,
+}
+
+impl Default for EncoderConfig {
+    fn default() -> Self {
+        Self {
+            grid: GridChoice::Bits { bits: 11, bounds: None },
+            group_length: 8,
+            nodes: 150,
+            frame_rate: (30, 1),
+            unit: UnitOfLength::Unspecified,
+            up_axis: 1,
+            fraction_bits: 8,
+            nodes_per_vertex: 4,
+            weights: WeightScheme::InverseSquare,
+            influence: InfluenceMode::Fallback,
+            affine: AffineChoice::Labels(vec![TORSO]),
+            combination: Combination::RTSH,
+            motion_step: 1.0,
+            digests: true,
+            names: None,
+        }
+    }
+}
+
+/// The paper's label of the torso.
+const TORSO: u8 = 7;

@@ -1,0 +1,5 @@
+//! Frames in, stream out.
+
+mod config;
+
+pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, UnitOfLength};
