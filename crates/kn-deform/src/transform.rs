@@ -108,6 +108,8 @@ impl Default for NodeTransform {
 }
 
 #[cfg(test)]
+// The expected matrices come from the platform's functions.
+#[allow(clippy::disallowed_methods)]
 mod tests {
     use super::*;
 
