@@ -1,0 +1,173 @@
+//! The state of one group of frames and every step from syntax to positions. The encoder owns the
+//! same type and calls the same methods for its reference: there is no second copy.
+
+use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
+use crate::decode::transforms::decode_transforms;
+use kn_bitstream::{KeyNodes, MotionFrame, SequenceHeader, rule};
+use kn_deform::{
+    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind,
+};
+use kn_mesh::{Grid, GridMesh};
+
+/// Decodes the frames of a group, one after the other. Buffers are reused from group to group.
+#[derive(Debug, Default)]
+pub(crate) struct Reconstruction {
+    fraction_bits: u32,
+    nodes_per_vertex: usize,
+    weight_scheme: u8,
+    influence_mode: u8,
+    /// By label.
+    label_regions: Vec<u8>,
+    /// The decoded I-frame, in grid steps.
+    intra: GridMesh,
+    vertex_regions: Vec<u8>,
+    /// `#V × 3`, the last decoded frame in reference units.
+    reference: Vec<[i32; 3]>,
+    /// `#V × 3`, the frame being deformed.
+    next: Vec<[i32; 3]>,
+    nodes: NodeSet,
+    influence: Influence,
+    transforms: Vec<NodeTransform>,
+    deformer: Deformer,
+}
+
+impl Reconstruction {
+    /// A reconstruction under the settings of a sequence.
+    pub(crate) fn new(header: &SequenceHeader) -> Self {
+        Self {
+            fraction_bits: u32::from(header.fraction_bits),
+            nodes_per_vertex: usize::from(header.nodes_per_vertex),
+            weight_scheme: header.weight_scheme,
+            influence_mode: header.influence_mode,
+            label_regions: header.label_regions().to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// Begins a group: `decode` fills the I-frame.
+    pub(crate) fn begin<E>(
+        &mut self,
+        decode: impl FnOnce(&mut GridMesh) -> Result<(), E>,
+    ) -> Result<(), E> {
+        decode(&mut self.intra)?;
+        let fraction_bits = self.fraction_bits;
+        self.reference.clear();
+        self.reference.extend(self.intra.positions.iter().map(|p| p.map(|c| c << fraction_bits)));
+        self.nodes.clear();
+        Ok(())
+    }
+
+    /// Whether every label of the I-frame is one of the sequence's (`intra.labels.range`).
+    pub(crate) fn labels_in_range(&self) -> bool {
+        self.intra.labels.iter().all(|&label| usize::from(label) < self.label_regions.len())
+    }
+
+    /// Places the group's key nodes and binds influence on the I-frame.
+    ///
+    /// # Errors
+    /// The rule that is broken.
+    pub(crate) fn place(&mut self, key_nodes: &KeyNodes) -> Result<(), &'static str> {
+        decode_key_nodes(key_nodes, &self.intra, &mut self.nodes)?;
+        let regions = &self.label_regions;
+        self.vertex_regions.clear();
+        if self.intra.labels.is_empty() {
+            self.vertex_regions.resize(self.intra.positions.len(), regions[0]);
+        } else {
+            let of_label = |&label: &u8| regions[usize::from(label)];
+            self.vertex_regions.extend(self.intra.labels.iter().map(of_label));
+        }
+        let node_regions: Vec<u8> =
+            self.nodes.labels.iter().map(|&label| regions[usize::from(label)]).collect();
+        let options = self.bind_options(key_nodes);
+        let (vertices, nodes) = (&self.intra.positions, &self.nodes.positions);
+        bind(vertices, &self.vertex_regions, nodes, &node_regions, &options, &mut self.influence)
+            .map_err(bind_rule)?;
+        for position in &mut self.nodes.positions {
+            *position = position.map(|c| c << self.fraction_bits);
+        }
+        Ok(())
+    }
+
+    fn bind_options(&self, key_nodes: &KeyNodes) -> BindOptions {
+        BindOptions {
+            nodes_per_vertex: self.nodes_per_vertex,
+            weights: match self.weight_scheme {
+                0 => WeightScheme::InverseSquare,
+                1 => WeightScheme::Sumner,
+                _ => WeightScheme::Gaussian { sigma: key_nodes.weight_sigma },
+            },
+            mode: match self.influence_mode {
+                0 => InfluenceMode::Strict,
+                _ => InfluenceMode::Fallback,
+            },
+        }
+    }
+
+    /// Decodes a P-frame: the reference becomes this frame, the nodes move.
+    ///
+    /// # Errors
+    /// The rule that is broken; the state is then undefined until the next group.
+    pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
+        decode_transforms(motion, &self.nodes.affine, &mut self.transforms)?;
+        let limit = Grid::LIMIT << self.fraction_bits;
+        self.deformer
+            .deform(
+                &self.reference,
+                &self.influence,
+                &self.nodes.positions,
+                &self.transforms,
+                limit,
+                &mut self.next,
+            )
+            .map_err(|_| rule::DEFORM_POSITION_RANGE)?;
+        std::mem::swap(&mut self.reference, &mut self.next);
+        for (position, transform) in self.nodes.positions.iter_mut().zip(&self.transforms) {
+            for axis in 0..3 {
+                // Both are below 2^28, so the sum fits.
+                position[axis] += transform.translation[axis] as i32;
+                if position[axis].abs() >= limit {
+                    return Err(rule::DEFORM_NODES_MOVE);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The last decoded frame in grid steps (`#V × 3`; `deform.output`).
+    pub(crate) fn show(&self, positions: &mut Vec<[i32; 3]>) {
+        let half = (1 << self.fraction_bits) >> 1;
+        positions.clear();
+        positions.extend(
+            self.reference.iter().map(|p| p.map(|c| (c + half) >> self.fraction_bits)),
+        );
+    }
+
+    /// The decoded I-frame of the group, in grid steps.
+    pub(crate) fn intra(&self) -> &GridMesh {
+        &self.intra
+    }
+
+    /// The group's key nodes, positions in reference units.
+    pub(crate) fn nodes(&self) -> &NodeSet {
+        &self.nodes
+    }
+
+    /// The last decoded frame in reference units (`#V × 3`).
+    #[cfg(feature = "encode")]
+    pub(crate) fn reference(&self) -> &[[i32; 3]] {
+        &self.reference
+    }
+
+    /// Influence of the group.
+    #[cfg(feature = "encode")]
+    pub(crate) fn influence(&self) -> &Influence {
+        &self.influence
+    }
+}
+
+fn bind_rule(error: BindError) -> &'static str {
+    match error {
+        BindError::RegionWithoutNodes { .. } => rule::DEFORM_INFLUENCE_STRICT,
+        BindError::NoNodes | BindError::Arguments(_) => rule::NODES_COUNT_RANGE,
+    }
+}
