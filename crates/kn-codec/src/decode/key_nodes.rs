@@ -1,6 +1,6 @@
 //! From coded key nodes to positions, labels and kinds (`spec/07-motion.md`).
 
-use kn_bitstream::{AffineMode, KeyNodes, NodeCoding, rule};
+use kn_bitstream::{AffineNodes, KeyNodes, NodeSites};
 use kn_mesh::GridMesh;
 use rayon::prelude::*;
 
@@ -20,5 +20,92 @@ impl NodeSet {
         self.positions.clear();
         self.labels.clear();
         self.affine.clear();
+    }
+
+    /// Number of affine nodes.
+    pub(crate) fn affine_count(&self) -> u32 {
+        self.affine.iter().filter(|&&affine| affine).count() as u32
+    }
+}
+
+/// Places the nodes on the I-frame `intra`, which has at least one vertex and every vertex that
+/// the nodes name; positions are in grid steps.
+pub(crate) fn decode_key_nodes(coded: &KeyNodes, intra: &GridMesh, nodes: &mut NodeSet) {
+    nodes.clear();
+    match &coded.sites {
+        NodeSites::Vertices(vertices) => {
+            nodes.positions.extend(vertices.iter().map(|&v| intra.positions[v as usize]));
+        }
+        NodeSites::Points(points) => nodes.positions.extend(points),
+    }
+    if intra.labels.is_empty() {
+        nodes.labels.resize(nodes.positions.len(), 0);
+    } else {
+        let label = |node: &[i32; 3]| intra.labels[nearest_vertex(*node, &intra.positions)];
+        nodes.positions.par_iter().map(label).collect_into_vec(&mut nodes.labels);
+    }
+    match &coded.affine {
+        AffineNodes::None => nodes.affine.resize(nodes.positions.len(), false),
+        AffineNodes::All => nodes.affine.resize(nodes.positions.len(), true),
+        AffineNodes::Labels(flags) => {
+            nodes.affine.extend(nodes.labels.iter().map(|&label| flags[usize::from(label)]));
+        }
+        AffineNodes::Nodes(flags) => nodes.affine.extend(flags),
+    }
+}
+
+/// Squared distances are exact integers; ties go to the lowest vertex (`nodes.label.nearest`).
+fn nearest_vertex(node: [i32; 3], positions: &[[i32; 3]]) -> usize {
+    let squared = |p: &[i32; 3]| -> i64 {
+        (0..3).map(|axis| i64::from(p[axis] - node[axis])).map(|d| d * d).sum()
+    };
+    let mut best = (i64::MAX, 0);
+    for (vertex, position) in positions.iter().enumerate() {
+        let squared = squared(position);
+        if squared < best.0 {
+            best = (squared, vertex);
+        }
+    }
+    best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn intra() -> GridMesh {
+        GridMesh {
+            positions: vec![[0, 0, 0], [4, 0, 0], [4, 0, 0], [9, 9, 9]],
+            faces: vec![[0, 1, 3]],
+            labels: vec![5, 7, 6, 1],
+        }
+    }
+
+    #[test]
+    fn a_node_takes_the_label_of_its_nearest_vertex() {
+        let coded = KeyNodes {
+            sites: NodeSites::Points(vec![[2, 0, 0], [3, 0, 0], [8, 9, 9]]),
+            affine: AffineNodes::Labels((0..15).map(|label| label == 7).collect()),
+            weight_sigma: None,
+        };
+        let mut nodes = NodeSet::default();
+        decode_key_nodes(&coded, &intra(), &mut nodes);
+        assert_eq!(nodes.labels, [5, 7, 1]);
+        assert_eq!(nodes.affine, [false, true, false]);
+    }
+
+    #[test]
+    fn nodes_on_vertices_stand_where_the_vertices_are() {
+        let coded = KeyNodes {
+            sites: NodeSites::Vertices(vec![0, 2]),
+            affine: AffineNodes::Nodes(vec![true, false]),
+            weight_sigma: None,
+        };
+        let mut nodes = NodeSet::default();
+        decode_key_nodes(&coded, &intra(), &mut nodes);
+        assert_eq!(nodes.positions, [[0, 0, 0], [4, 0, 0]]);
+        // Vertex 1 stands on the same point and comes first.
+        assert_eq!(nodes.labels, [5, 7]);
+        assert_eq!(nodes.affine_count(), 1);
     }
 }

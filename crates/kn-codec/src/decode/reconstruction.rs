@@ -3,7 +3,10 @@
 
 use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
 use crate::decode::transforms::decode_transforms;
-use kn_bitstream::{KeyNodes, MotionFrame, SequenceHeader, rule};
+use kn_bitstream::{
+    InfluenceMode as CodedMode, KeyNodes, LabelSet, MotionFrame, SequenceHeader,
+    WeightScheme as CodedScheme, rule,
+};
 use kn_deform::{
     BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind,
 };
@@ -14,10 +17,9 @@ use kn_mesh::{Grid, GridMesh};
 pub(crate) struct Reconstruction {
     fraction_bits: u32,
     nodes_per_vertex: usize,
-    weight_scheme: u8,
-    influence_mode: u8,
-    /// By label.
-    label_regions: Vec<u8>,
+    weight_scheme: CodedScheme,
+    influence_mode: CodedMode,
+    labels: LabelSet,
     /// The decoded I-frame, in grid steps.
     intra: GridMesh,
     vertex_regions: Vec<u8>,
@@ -39,7 +41,7 @@ impl Reconstruction {
             nodes_per_vertex: usize::from(header.nodes_per_vertex),
             weight_scheme: header.weight_scheme,
             influence_mode: header.influence_mode,
-            label_regions: header.label_regions().to_vec(),
+            labels: header.labels.clone(),
             ..Self::default()
         }
     }
@@ -59,7 +61,7 @@ impl Reconstruction {
 
     /// Whether every label of the I-frame is one of the sequence's (`intra.labels.range`).
     pub(crate) fn labels_in_range(&self) -> bool {
-        self.intra.labels.iter().all(|&label| usize::from(label) < self.label_regions.len())
+        self.intra.labels.iter().all(|&label| self.labels.region(label).is_some())
     }
 
     /// Places the group's key nodes and binds influence on the I-frame.
@@ -67,17 +69,13 @@ impl Reconstruction {
     /// # Errors
     /// The rule that is broken.
     pub(crate) fn place(&mut self, key_nodes: &KeyNodes) -> Result<(), &'static str> {
-        decode_key_nodes(key_nodes, &self.intra, &mut self.nodes)?;
-        let regions = &self.label_regions;
+        decode_key_nodes(key_nodes, &self.intra, &mut self.nodes);
+        // Labels are in range: the I-frame was checked.
+        let region = |&label: &u8| self.labels.region(label).unwrap_or(0);
         self.vertex_regions.clear();
-        if self.intra.labels.is_empty() {
-            self.vertex_regions.resize(self.intra.positions.len(), regions[0]);
-        } else {
-            let of_label = |&label: &u8| regions[usize::from(label)];
-            self.vertex_regions.extend(self.intra.labels.iter().map(of_label));
-        }
-        let node_regions: Vec<u8> =
-            self.nodes.labels.iter().map(|&label| regions[usize::from(label)]).collect();
+        self.vertex_regions.extend(self.intra.labels.iter().map(region));
+        self.vertex_regions.resize(self.intra.positions.len(), region(&0));
+        let node_regions: Vec<u8> = self.nodes.labels.iter().map(region).collect();
         let options = self.bind_options(key_nodes);
         let (vertices, nodes) = (&self.intra.positions, &self.nodes.positions);
         bind(vertices, &self.vertex_regions, nodes, &node_regions, &options, &mut self.influence)
@@ -92,13 +90,15 @@ impl Reconstruction {
         BindOptions {
             nodes_per_vertex: self.nodes_per_vertex,
             weights: match self.weight_scheme {
-                0 => WeightScheme::InverseSquare,
-                1 => WeightScheme::Sumner,
-                _ => WeightScheme::Gaussian { sigma: key_nodes.weight_sigma },
+                CodedScheme::InverseSquare => WeightScheme::InverseSquare,
+                CodedScheme::Sumner => WeightScheme::Sumner,
+                CodedScheme::Gaussian => {
+                    WeightScheme::Gaussian { sigma: key_nodes.weight_sigma.unwrap_or(1) }
+                }
             },
             mode: match self.influence_mode {
-                0 => InfluenceMode::Strict,
-                _ => InfluenceMode::Fallback,
+                CodedMode::Strict => InfluenceMode::Strict,
+                CodedMode::Fallback => InfluenceMode::Fallback,
             },
         }
     }
@@ -108,7 +108,7 @@ impl Reconstruction {
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
     pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
-        decode_transforms(motion, &self.nodes.affine, &mut self.transforms)?;
+        decode_transforms(motion, &self.nodes.affine, &mut self.transforms);
         let limit = Grid::LIMIT << self.fraction_bits;
         self.deformer
             .deform(

@@ -1,7 +1,8 @@
 //! From fitted transforms to quantised motion: steps, values, tables.
 
-use crate::decode::transforms::{parameter_step, translation_step};
-use kn_bitstream::{MotionFrame, best_table};
+use kn_bitstream::{
+    Components, HUFFMAN_VALUE_LIMIT, MotionFrame, best_table, parameter_step, translation_step,
+};
 use kn_deform::{Combination, NodeTransform};
 
 /// Quantiser steps of a frame, as indices of the specification's families of steps.
@@ -19,9 +20,9 @@ impl Steps {
     /// `translation` in reference units; `reach` is the distance over which a node moves vertices,
     /// in reference units: an angle's or a shear's error grows with it.
     pub(crate) fn balanced(translation: f64, reach: f64) -> Self {
-        let parameter = nearest(translation / reach.max(1.0), parameter_step);
+        let parameter = nearest(translation / reach.max(1.0) * ONE, parameter_step);
         Self {
-            translation: nearest(translation, |index| translation_step(index) as f64),
+            translation: nearest(translation, translation_step),
             rotation: parameter,
             scale: parameter,
             shear: parameter,
@@ -30,17 +31,20 @@ impl Steps {
 }
 
 /// The index whose step is nearest to `wanted`, the lowest of equals.
-fn nearest(wanted: f64, step: impl Fn(u8) -> f64) -> u8 {
-    let error = |index: &u8| (step(*index) - wanted).abs();
+fn nearest(wanted: f64, step: impl Fn(u8) -> i64) -> u8 {
+    let error = |index: &u8| (step(*index) as f64 - wanted).abs();
     (0..64).min_by(|a, b| error(a).total_cmp(&error(b))).unwrap_or(0)
 }
 
+/// 1 in units of the parameter steps.
+const ONE: f64 = 65536.0;
 /// Largest quantised value that a Huffman code carries.
-const MAX_VALUE: f64 = ((1 << 20) - 1) as f64;
-/// Angles, shears and scales stay inside the decoder's bounds by this much.
-const ANGLE_BOUND: f64 = 3.9;
-const SHEAR_BOUND: f64 = 7.9;
-const SCALE_BOUNDS: (f64, f64) = (0.1, 7.9);
+const MAX_VALUE: f64 = (HUFFMAN_VALUE_LIMIT - 1) as f64;
+/// Translations, angles and stretches stay inside the decoder's bounds by more than half a step.
+const TRANSLATION_BOUND: f64 = 1.0e8;
+const ANGLE_BOUND: f64 = 3.2;
+const STRETCH_BOUND: f64 = 4.0;
+const SCALE_BOUNDS: (f64, f64) = (0.1, 4.0);
 
 /// Writes the quantised transforms (`#N`, in reference units) into `motion` and chooses the
 /// Huffman tables. `affine` has one entry per node.
@@ -52,56 +56,65 @@ pub(crate) fn quantise_motion(
     motion: &mut MotionFrame,
 ) {
     let any_affine = affine.contains(&true);
-    motion.rotation_enabled = combination.rotation && any_affine;
-    motion.scale_enabled = combination.scale && any_affine;
-    motion.shear_enabled = combination.shear && any_affine;
+    let carried = |component: bool| component && any_affine;
+    motion.enabled = Components {
+        rotation: carried(combination.rotation),
+        scale: carried(combination.scale),
+        shear: carried(combination.shear),
+    };
     motion.translation_step = steps.translation;
-    motion.rotation_step = steps.rotation;
-    motion.scale_step = steps.scale;
-    motion.shear_step = steps.shear;
-    motion.translations.clear();
-    motion.rotations.clear();
-    motion.scales.clear();
-    motion.shears.clear();
+    motion.translation.clear();
+    motion.rotation.clear();
+    motion.scale.clear();
+    motion.shear.clear();
     let t_step = translation_step(steps.translation) as f64;
+    let [r_step, s_step, h_step] = [steps.rotation, steps.scale, steps.shear].map(unit_step);
     for (transform, &affine) in transforms.iter().zip(affine) {
-        motion.translations.push(transform.translation.map(|t| quantised(t, t_step)));
-        if !affine || motion.rotation_enabled {
-            let step = parameter_step(steps.rotation);
-            motion.rotations.push(transform.rotation.map(|angle| {
-                quantised(wrapped(angle).clamp(-ANGLE_BOUND, ANGLE_BOUND), step)
-            }));
+        let translation = |t: f64| quantised(t, t_step, TRANSLATION_BOUND);
+        motion.translation.push(transform.translation.map(translation));
+        if !affine || motion.enabled.rotation {
+            let angle = |angle: f64| quantised(wrapped(angle), r_step, ANGLE_BOUND);
+            motion.rotation.push(transform.rotation.map(angle));
         }
-        if affine && motion.scale_enabled {
-            let step = parameter_step(steps.scale);
-            motion.scales.push(transform.scale.map(|s| quantised_scale(s, step)));
+        if affine && motion.enabled.scale {
+            motion.scale.push(transform.scale.map(|s| quantised_scale(s, s_step)));
         }
-        if affine && motion.shear_enabled {
-            let step = parameter_step(steps.shear);
-            let bounded = |h: f64| quantised(h.clamp(-SHEAR_BOUND, SHEAR_BOUND), step);
-            motion.shears.push(transform.shear.map(bounded));
+        if affine && motion.enabled.shear {
+            motion.shear.push(transform.shear.map(|h| quantised(h, h_step, STRETCH_BOUND)));
         }
     }
+    let used = |index: u8, list: &[[i32; 3]]| if list.is_empty() { 0 } else { index };
+    motion.rotation_step = used(steps.rotation, &motion.rotation);
+    motion.scale_step = used(steps.scale, &motion.scale);
+    motion.shear_step = used(steps.shear, &motion.shear);
     choose_tables(motion);
 }
 
 /// The tables that cost the fewest bits: one for T, one for P = [R', S', H'].
 fn choose_tables(motion: &mut MotionFrame) {
-    motion.translation_table = best_table(motion.translations.as_flattened()).0;
-    let parameters: Vec<i32> = [&motion.rotations, &motion.scales, &motion.shears]
+    motion.translation_table = best_table(motion.translation.as_flattened()).0;
+    let parameters: Vec<i32> = [&motion.rotation, &motion.scale, &motion.shear]
         .into_iter()
         .flat_map(|list| list.as_flattened().iter().copied())
         .collect();
     motion.parameter_table = best_table(&parameters).0;
 }
 
-fn quantised(value: f64, step: f64) -> i32 {
-    (value / step).round().clamp(-MAX_VALUE, MAX_VALUE) as i32
+/// A parameter step as a number.
+fn unit_step(index: u8) -> f64 {
+    parameter_step(index) as f64 / ONE
 }
 
-/// S' = S − 1, so that 1 + q·step stays inside the bounds of the decoder.
+/// The nearest quantised value, towards zero where the nearest would leave `bound` or the code.
+fn quantised(value: f64, step: f64, bound: f64) -> i32 {
+    let most = (bound / step).floor().min(MAX_VALUE);
+    // A NaN, which no fit should give, becomes zero.
+    (value / step).round().clamp(-most, most) as i32
+}
+
+/// S' = S − 1; a scale stays positive.
 fn quantised_scale(scale: f64, step: f64) -> i32 {
-    let q = quantised(scale.clamp(SCALE_BOUNDS.0, SCALE_BOUNDS.1) - 1.0, step);
+    let q = quantised(scale.clamp(SCALE_BOUNDS.0, SCALE_BOUNDS.1) - 1.0, step, STRETCH_BOUND);
     if 1.0 + f64::from(q) * step > 0.0 { q } else { q + 1 }
 }
 
@@ -114,29 +127,34 @@ fn wrapped(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kn_bitstream::{BitReader, BitWriter, MotionContext};
 
     #[test]
     fn steps_balance_translation_and_rotation() {
         let steps = Steps::balanced(256.0, 256.0 * 64.0);
         assert_eq!(translation_step(steps.translation), 256);
-        assert_eq!(parameter_step(steps.rotation), 1.0 / 64.0);
+        assert_eq!(unit_step(steps.rotation), 1.0 / 64.0);
     }
 
     #[test]
-    fn what_is_quantised_stays_in_range() {
+    fn whatever_is_quantised_can_be_read() {
         let wild = NodeTransform {
             rotation: [7.0, -9.0, 1e9],
-            scale: [-3.0, 1e9, 0.0],
+            scale: [-3.0, 1e9, f64::NAN],
             shear: [1e9, -1e9, 0.0],
-            translation: [1.0; 3],
+            translation: [1.0, 1e30, -1e30],
         };
         let mut motion = MotionFrame::default();
-        let mut decoded = Vec::new();
-        for index in [0, 40, 63] {
-            let steps = Steps { translation: 0, rotation: index, scale: index, shear: index };
-            quantise_motion(&[wild], &[true], Combination::RTSH, steps, &mut motion);
-            let result = crate::decode::transforms::decode_transforms(&motion, &[true], &mut decoded);
-            assert_eq!(result, Ok(()), "step {index}");
+        for index in 0..64 {
+            let steps = Steps { translation: index, rotation: index, scale: index, shear: index };
+            quantise_motion(&[wild; 2], &[true, false], Combination::RTSH, steps, &mut motion);
+            let mut bits = BitWriter::new();
+            motion.write(&mut bits);
+            let context = MotionContext { node_count: 2, affine_count: 1 };
+            let mut read = MotionFrame::default();
+            let bytes = bits.into_bytes();
+            read.read(&mut BitReader::new(&bytes), &context).expect("in range");
+            assert_eq!(read, motion, "step {index}");
         }
     }
 }
