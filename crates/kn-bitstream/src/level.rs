@@ -16,7 +16,7 @@ pub struct Level {
     pub max_nodes: u32,
     /// Frames of a group.
     pub max_group_frames: u32,
-    /// Value of `unit_size`; index units are exempt.
+    /// Value of `unit_size`.
     pub max_unit_bytes: u32,
 }
 

@@ -1,6 +1,7 @@
 //! The frame around every structure: type, size, CRC.
 
 use crate::error::{Error, ErrorKind};
+use crate::level::Level;
 use crate::reader::BitReader;
 use crate::rule;
 use crate::trace::{Element, Trace, Value};
@@ -54,17 +55,33 @@ pub enum Framing<'a> {
     Unit(Unit<'a>),
 }
 
+/// The largest `unit_size` to accept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SizeLimits {
+    /// Of the stream's level: above it the stream is malformed.
+    pub level: u32,
+    /// Of the caller: above it the stream may be sound.
+    pub caller: u32,
+}
+
+impl Default for SizeLimits {
+    /// The highest level's limit: for the sequence header, before the level is known.
+    fn default() -> Self {
+        let level = Level::all().map(|(_, level)| level.max_unit_bytes).max().unwrap_or(0);
+        Self { level, caller: level }
+    }
+}
+
 /// Reads the unit at the start of `bytes`, as far as they go.
 ///
-/// `max_size` is the largest `unit_size` to accept; it is checked as soon as the size is known, so
-/// that a caller never collects more. Bits of errors count from the start of `bytes`. Safe on
-/// untrusted input; allocates nothing.
+/// The limits are checked as soon as the size is known, so that a caller never collects more. Bits
+/// of errors count from the start of `bytes`. Safe on untrusted input; allocates nothing.
 ///
 /// # Errors
-/// An unknown unit type, a size above `max_size`, a wrong CRC.
-pub fn read_unit(bytes: &[u8], max_size: u32) -> Result<Framing<'_>, Error> {
+/// An unknown unit type, a size above a limit, a wrong CRC.
+pub fn read_unit(bytes: &[u8], limits: SizeLimits) -> Result<Framing<'_>, Error> {
     let mut bits = BitReader::new(&bytes[..bytes.len().min(MAX_HEADER_BYTES)]);
-    let (unit_type, size) = match read_header(&mut bits, max_size) {
+    let (unit_type, size) = match read_header(&mut bits, limits) {
         Ok(header) => header,
         Err(Error { kind: ErrorKind::UnexpectedEnd, .. }) => {
             // The smallest unit has a header of two bytes.
@@ -87,16 +104,17 @@ pub fn read_unit(bytes: &[u8], max_size: u32) -> Result<Framing<'_>, Error> {
     Ok(Framing::Unit(Unit { unit_type, payload, header_len, total_len, crc }))
 }
 
-fn read_header(bits: &mut BitReader<'_, '_>, max_size: u32) -> Result<(u8, u32), Error> {
+fn read_header(bits: &mut BitReader<'_, '_>, limits: SizeLimits) -> Result<(u8, u32), Error> {
     let unit_type = bits.u8("unit_type", 8)?;
     let known = (SEQUENCE_HEADER..=INDEX).contains(&unit_type) || unit_type >= FIRST_SKIPPABLE;
     bits.require_supported(known, rule::UNIT_TYPE_KNOWN)?;
     let size = bits.uleb("unit_size")?;
-    if size > max_size {
+    bits.require(size <= limits.level, rule::UNIT_SIZE_LIMIT)?;
+    if size > limits.caller {
         let kind = ErrorKind::Limit {
             what: "bytes in a unit",
             asked: u64::from(size),
-            allowed: u64::from(max_size),
+            allowed: u64::from(limits.caller),
         };
         return Err(Error { kind, bit: bits.position() });
     }
@@ -154,7 +172,9 @@ mod tests {
             let mut bytes = Vec::new();
             write_unit(&mut bytes, KEY_NODES, &payload);
             assert_eq!(bytes.len(), unit_len(size as u32) as usize);
-            let Ok(Framing::Unit(unit)) = read_unit(&bytes, 70_000) else { panic!("not a unit") };
+            let Ok(Framing::Unit(unit)) = read_unit(&bytes, SizeLimits::default()) else {
+                panic!("not a unit")
+            };
             assert_eq!((unit.unit_type, unit.payload), (KEY_NODES, &payload[..]));
             assert_eq!(unit.total_len, bytes.len());
         }
@@ -166,7 +186,7 @@ mod tests {
         write_unit(&mut bytes, INDEX, &[7; 300]);
         let mut have = 0;
         while have < bytes.len() {
-            match read_unit(&bytes[..have], 300) {
+            match read_unit(&bytes[..have], SizeLimits::default()) {
                 Ok(Framing::NeedBytes(n)) => {
                     assert!(n > 0 && have + n <= bytes.len());
                     have += n;
@@ -174,7 +194,7 @@ mod tests {
                 other => panic!("{other:?} after {have} bytes"),
             }
         }
-        assert!(matches!(read_unit(&bytes, 300), Ok(Framing::Unit(_))));
+        assert!(matches!(read_unit(&bytes, SizeLimits::default()), Ok(Framing::Unit(_))));
     }
 
     #[test]
@@ -185,7 +205,7 @@ mod tests {
             let mut bytes = sound.clone();
             bytes[bit / 8] ^= 0x80 >> (bit % 8);
             // A size that grew asks for more bytes; a file that ends there is cut short.
-            let found = !matches!(read_unit(&bytes, 1000), Ok(Framing::Unit(_)));
+            let found = !matches!(read_unit(&bytes, SizeLimits::default()), Ok(Framing::Unit(_)));
             assert!(found, "bit {bit}");
         }
     }
@@ -193,7 +213,10 @@ mod tests {
     #[test]
     fn a_huge_size_is_refused_before_its_bytes_arrive() {
         let bytes = [INTRA_FRAME, 0xff, 0xff, 0xff, 0xff, 0x0f];
-        let error = read_unit(&bytes, 1 << 20).expect_err("4 GiB are too many");
+        let error = read_unit(&bytes, SizeLimits::default()).expect_err("4 GiB are too many");
+        assert_eq!(error.rule(), Some(rule::UNIT_SIZE_LIMIT));
+        let limits = SizeLimits { level: u32::MAX, caller: 1 << 20 };
+        let error = read_unit(&bytes, limits).expect_err("the caller has not that much");
         assert!(matches!(error.kind, ErrorKind::Limit { asked: 0xffff_ffff, .. }));
     }
 }
