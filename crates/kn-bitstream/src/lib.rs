@@ -1,1 +1,31 @@
-//! See the crate README.
+#![doc = include_str!("../README.md")]
+
+mod error;
+mod frame;
+mod huffman;
+mod index;
+mod level;
+mod motion;
+mod nodes;
+mod reader;
+pub mod rule;
+mod sequence;
+mod tables;
+mod trace;
+pub mod unit;
+mod writer;
+
+pub use error::{Error, ErrorKind};
+pub use frame::{FrameHeader, IntraFrame};
+pub use huffman::{CauchyTable, TABLE_COUNT, best_table, cauchy_table};
+pub use index::{Index, IndexGroup, TAIL_BYTES, index_size};
+pub use level::{COORDINATE_LIMIT, Level};
+pub use motion::{Components, MotionContext, MotionFrame, parameter_step, translation_step};
+pub use nodes::{AffineNodes, KeyNodes, KeyNodesContext, NodeSites};
+pub use reader::{BitReader, HUFFMAN_VALUE_LIMIT, RICE_UNARY_LIMIT, UE_UNARY_LIMIT};
+pub use sequence::{
+    BODY_LABELS, FileNames, InfluenceMode, LabelSet, PROFILE_MAIN, SequenceHeader, UnitOfLength,
+    VERSION, WeightScheme, name_text,
+};
+pub use trace::{Element, Name, Trace, Value};
+pub use writer::{BitWriter, best_rice};

@@ -1,0 +1,88 @@
+//! What can be wrong with a stream, and where.
+
+use crate::rule;
+
+/// An error with the place at which reading stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Error {
+    /// What is wrong.
+    pub kind: ErrorKind,
+    /// Bit offset, counted as the reader was told to count (see [`crate::BitReader::at`]).
+    pub bit: u64,
+}
+
+/// What is wrong, by who can act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The bytes end inside a syntax element: the data is cut short.
+    UnexpectedEnd,
+    /// The stream breaks a rule of the specification.
+    Malformed {
+        /// Id of the rule, as in `spec/`.
+        rule: &'static str,
+    },
+    /// The stream uses a value that this version of the specification reserves.
+    Unsupported {
+        /// Id of the rule that reserves the value.
+        rule: &'static str,
+    },
+    /// The stream may be sound but asks for more than the caller allows.
+    Limit {
+        /// What is limited.
+        what: &'static str,
+        /// What the stream asks for.
+        asked: u64,
+        /// What the caller allows.
+        allowed: u64,
+    },
+}
+
+impl Error {
+    /// A broken rule at a bit offset.
+    pub fn malformed(rule: &'static str, bit: u64) -> Self {
+        Self { kind: ErrorKind::Malformed { rule }, bit }
+    }
+
+    /// A reserved value at a bit offset.
+    pub fn unsupported(rule: &'static str, bit: u64) -> Self {
+        Self { kind: ErrorKind::Unsupported { rule }, bit }
+    }
+
+    /// The rule that is broken, `None` for the caller's own limits.
+    ///
+    /// Inside a unit an unexpected end means that the structure is larger than its `unit_size`.
+    pub fn rule(&self) -> Option<&'static str> {
+        match self.kind {
+            ErrorKind::UnexpectedEnd => Some(rule::UNIT_SIZE_EXACT),
+            ErrorKind::Malformed { rule } | ErrorKind::Unsupported { rule } => Some(rule),
+            ErrorKind::Limit { .. } => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "bit {}: {}", self.bit, self.kind)
+    }
+}
+
+impl std::fmt::Display for ErrorKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::UnexpectedEnd => f.write_str("the data ends inside a syntax element"),
+            Self::Malformed { rule } => match rule::sentence(rule) {
+                Some(sentence) => write!(f, "broken rule {rule}: {sentence}"),
+                None => write!(f, "broken rule {rule}"),
+            },
+            Self::Unsupported { rule } => match rule::sentence(rule) {
+                Some(sentence) => write!(f, "not supported, rule {rule}: {sentence}"),
+                None => write!(f, "not supported, rule {rule}"),
+            },
+            Self::Limit { what, asked, allowed } => {
+                write!(f, "the stream asks for {asked} {what}, {allowed} are allowed")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,128 @@
+//! The frame header and the I-frame (chapters 3.4 and 3.5).
+
+use crate::error::Error;
+use crate::reader::BitReader;
+use crate::rule;
+use crate::sequence::name_text;
+use crate::writer::BitWriter;
+
+/// What stands before every frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FrameHeader {
+    /// Name of the input file, where the sequence's pattern does not give it; empty if absent.
+    pub name: String,
+    /// First eight bytes of the SHA-256 of the decoded positions (chapter 9).
+    pub positions_digest: Option<u64>,
+}
+
+impl FrameHeader {
+    /// Reads the header into `self`, whose buffers are reused.
+    pub fn read(&mut self, bits: &mut BitReader<'_, '_>) -> Result<(), Error> {
+        let digest_present = bits.flag("digest_present")?;
+        let name_present = bits.flag("name_present")?;
+        let reserved = bits.u8("reserved_zero", 6)?;
+        bits.require_supported(reserved == 0, rule::FRAME_RESERVED_ZERO)?;
+        self.name.clear();
+        if name_present {
+            let length = bits.u("name_length", 8)? as u32;
+            let name = name_text(bits.bytes("name", length)?);
+            let name = name.ok_or(Error::malformed(rule::NAME_CHARACTERS, bits.position()))?;
+            bits.require(!matches!(name, "" | "." | ".."), rule::NAME_WHOLE)?;
+            self.name.push_str(name);
+        }
+        self.positions_digest =
+            if digest_present { Some(bits.u("positions_digest", 64)?) } else { None };
+        Ok(())
+    }
+
+    /// Writes the header; the mirror of [`Self::read`].
+    pub fn write(&self, bits: &mut BitWriter) {
+        bits.flag(self.positions_digest.is_some());
+        bits.flag(!self.name.is_empty());
+        bits.u(0, 6);
+        if !self.name.is_empty() {
+            bits.u(self.name.len() as u64, 8);
+            bits.bytes(self.name.as_bytes());
+        }
+        if let Some(digest) = self.positions_digest {
+            bits.u(digest, 64);
+        }
+    }
+}
+
+/// An I-frame: the coded mesh is chapter 5's business.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct IntraFrame<'a> {
+    /// What stands before every frame.
+    pub header: FrameHeader,
+    /// First eight bytes of the SHA-256 of the faces; present with the positions' digest.
+    pub faces_digest: Option<u64>,
+    /// The coded mesh.
+    pub payload: &'a [u8],
+}
+
+impl<'a> IntraFrame<'a> {
+    /// Reads the frame from a unit's payload; the caller calls [`BitReader::finish`].
+    pub fn read(bits: &mut BitReader<'a, '_>) -> Result<Self, Error> {
+        let mut header = FrameHeader::default();
+        header.read(bits)?;
+        let digest_present = header.positions_digest.is_some();
+        let faces_digest = if digest_present { Some(bits.u("faces_digest", 64)?) } else { None };
+        let size = bits.uleb("intra_size")?;
+        let payload = bits.bytes("intra_payload", size)?;
+        Ok(Self { header, faces_digest, payload })
+    }
+
+    /// Writes the frame; the mirror of [`Self::read`].
+    pub fn write(&self, bits: &mut BitWriter) {
+        debug_assert_eq!(self.header.positions_digest.is_some(), self.faces_digest.is_some());
+        self.header.write(bits);
+        if let Some(digest) = self.faces_digest {
+            bits.u(digest, 64);
+        }
+        bits.uleb(self.payload.len() as u32);
+        bits.bytes(self.payload);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(frame: &IntraFrame<'_>) -> Vec<u8> {
+        let mut bits = BitWriter::new();
+        frame.write(&mut bits);
+        bits.into_bytes()
+    }
+
+    #[test]
+    fn reads_what_it_writes() {
+        let named = FrameHeader { name: "first scan".into(), positions_digest: Some(u64::MAX) };
+        let frames = [
+            IntraFrame { header: named, faces_digest: Some(1), payload: b"mesh" },
+            IntraFrame { payload: &[0; 200], ..IntraFrame::default() },
+        ];
+        for frame in frames {
+            let bytes = written(&frame);
+            let mut bits = BitReader::new(&bytes);
+            assert_eq!(IntraFrame::read(&mut bits), Ok(frame));
+            assert_eq!(bits.finish(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn a_frame_is_not_called_dot_dot() {
+        let header = FrameHeader { name: "..".into(), positions_digest: None };
+        let bytes = written(&IntraFrame { header, ..IntraFrame::default() });
+        let error = IntraFrame::read(&mut BitReader::new(&bytes)).expect_err("not a name");
+        assert_eq!(error.rule(), Some(rule::NAME_WHOLE));
+    }
+
+    #[test]
+    fn a_payload_longer_than_its_unit_is_refused() {
+        let mut bytes = written(&IntraFrame { payload: b"mesh", ..IntraFrame::default() });
+        bytes.pop();
+        let error = IntraFrame::read(&mut BitReader::new(&bytes)).expect_err("cut short");
+        assert_eq!(error.rule(), Some(rule::UNIT_SIZE_EXACT));
+    }
+}

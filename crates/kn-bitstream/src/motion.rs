@@ -1,0 +1,380 @@
+//! The motion of a P-frame, in quantised values (chapter 3.7), and the quantiser steps (chapter 7).
+
+use crate::error::Error;
+use crate::frame::FrameHeader;
+use crate::huffman::{CauchyTable, TABLE_COUNT, cauchy_table};
+use crate::reader::BitReader;
+use crate::rule;
+use crate::writer::BitWriter;
+
+/// What must be known to read a P-frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionContext {
+    /// Nodes of the group of frames.
+    pub node_count: u32,
+    /// How many of them are affine.
+    pub affine_count: u32,
+}
+
+/// The motion of a P-frame in quantised values.
+///
+/// The lists run over the nodes that carry the component, in node order: `translation` over all,
+/// `rotation` over the rigid and, where enabled, the affine, `scale` and `shear` over the affine
+/// where enabled. A step or table that no list needs is not in the stream and stays 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MotionFrame {
+    /// What stands before every frame.
+    pub header: FrameHeader,
+    /// Components of the affine nodes.
+    pub enabled: Components,
+    /// s of [`translation_step`], below 64.
+    pub translation_step: u8,
+    /// Huffman table of the translations.
+    pub translation_table: u8,
+    /// s of [`parameter_step`] for angles, below 64.
+    pub rotation_step: u8,
+    /// s of [`parameter_step`] for scale − 1, below 64.
+    pub scale_step: u8,
+    /// s of [`parameter_step`] for shear, below 64.
+    pub shear_step: u8,
+    /// Huffman table of rotation, scale and shear.
+    pub parameter_table: u8,
+    /// #N × 3.
+    pub translation: Vec<[i32; 3]>,
+    /// RotationCount × 3, about x, y, z.
+    pub rotation: Vec<[i32; 3]>,
+    /// ScaleCount × 3, scale − 1 along x, y, z.
+    pub scale: Vec<[i32; 3]>,
+    /// ShearCount × 3, xy, xz, yz.
+    pub shear: Vec<[i32; 3]>,
+}
+
+/// Which components affine nodes carry beside their translation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Components {
+    /// R.
+    pub rotation: bool,
+    /// S.
+    pub scale: bool,
+    /// H.
+    pub shear: bool,
+}
+
+impl Components {
+    /// How many nodes carry rotation, scale and shear.
+    pub fn counts(&self, context: &MotionContext) -> [u32; 3] {
+        let affine = context.affine_count;
+        let rigid = context.node_count - affine.min(context.node_count);
+        let if_enabled = |flag: bool| if flag { affine } else { 0 };
+        [rigid + if_enabled(self.rotation), if_enabled(self.scale), if_enabled(self.shear)]
+    }
+}
+
+/// Quantiser step of translations in units of 2^-`fraction_bits` grid steps, for s below 64.
+pub fn translation_step(s: u8) -> i64 {
+    (i64::from(4 + s % 4) << (s / 4)) >> 2
+}
+
+/// Quantiser step of angles (radians), scale − 1 and shear, in units of 2^-16, for s below 64.
+pub fn parameter_step(s: u8) -> i64 {
+    i64::from(4 + s % 4) << (s / 4)
+}
+
+/// Translations are smaller than this in magnitude, in units of 2^-`fraction_bits` grid steps.
+const TRANSLATION_LIMIT: i64 = 1 << 28;
+/// 1 in units of [`parameter_step`].
+const ONE: i64 = 1 << 16;
+
+impl MotionFrame {
+    /// Reads the frame into `self`, whose buffers are reused; the caller calls
+    /// [`BitReader::finish`]. After an error `self` holds part of the frame.
+    pub fn read(
+        &mut self,
+        bits: &mut BitReader<'_, '_>,
+        context: &MotionContext,
+    ) -> Result<(), Error> {
+        self.header.read(bits)?;
+        let reference_mode = bits.u("reference_mode", 2)?;
+        bits.require_supported(reference_mode == 0, rule::MOTION_REFERENCE_KNOWN)?;
+        let entropy_mode = bits.u("entropy_mode", 1)?;
+        bits.require_supported(entropy_mode == 0, rule::MOTION_ENTROPY_KNOWN)?;
+        let residual_present = bits.flag("residual_present")?;
+        bits.require_supported(!residual_present, rule::MOTION_RESIDUAL_KNOWN)?;
+        let translation_mode = bits.u("translation_mode", 2)?;
+        bits.require_supported(translation_mode == 0, rule::MOTION_TRANSLATION_KNOWN)?;
+        self.enabled.rotation = bits.flag("rotation_enabled")?;
+        self.enabled.scale = bits.flag("scale_enabled")?;
+        self.enabled.shear = bits.flag("shear_enabled")?;
+        let carried = context.affine_count > 0 || self.enabled == Components::default();
+        bits.require(carried, rule::MOTION_ENABLED_AFFINE)?;
+        self.read_steps(bits, self.enabled.counts(context))?;
+        self.read_values(bits, context)
+    }
+
+    fn read_steps(&mut self, bits: &mut BitReader<'_, '_>, counts: [u32; 3]) -> Result<(), Error> {
+        let [rotations, scales, shears] = counts;
+        self.translation_step = bits.u8("translation_step", 6)?;
+        self.translation_table = read_table(bits, "translation_table")?;
+        self.rotation_step = if rotations > 0 { bits.u8("rotation_step", 6)? } else { 0 };
+        self.scale_step = if scales > 0 { bits.u8("scale_step", 6)? } else { 0 };
+        self.shear_step = if shears > 0 { bits.u8("shear_step", 6)? } else { 0 };
+        let any = counts != [0; 3];
+        self.parameter_table = if any { read_table(bits, "parameter_table")? } else { 0 };
+        Ok(())
+    }
+
+    fn read_values(
+        &mut self,
+        bits: &mut BitReader<'_, '_>,
+        context: &MotionContext,
+    ) -> Result<(), Error> {
+        let [rotations, scales, shears] = self.enabled.counts(context);
+        let list = List {
+            name: "translation",
+            count: context.node_count,
+            table: cauchy_table(self.translation_table),
+            step: translation_step(self.translation_step),
+            low: 1 - TRANSLATION_LIMIT,
+            high: TRANSLATION_LIMIT - 1,
+            rule: rule::MOTION_TRANSLATION_RANGE,
+        };
+        list.read(bits, &mut self.translation)?;
+        let table = cauchy_table(self.parameter_table);
+        let list = List {
+            name: "rotation",
+            count: rotations,
+            table,
+            step: parameter_step(self.rotation_step),
+            low: -4 * ONE,
+            high: 4 * ONE,
+            rule: rule::MOTION_ROTATION_RANGE,
+        };
+        list.read(bits, &mut self.rotation)?;
+        let list = List {
+            name: "scale",
+            count: scales,
+            table,
+            step: parameter_step(self.scale_step),
+            low: 1 - ONE,
+            high: 7 * ONE,
+            rule: rule::MOTION_SCALE_RANGE,
+        };
+        list.read(bits, &mut self.scale)?;
+        let list = List {
+            name: "shear",
+            count: shears,
+            table,
+            step: parameter_step(self.shear_step),
+            low: -8 * ONE,
+            high: 8 * ONE,
+            rule: rule::MOTION_SHEAR_RANGE,
+        };
+        list.read(bits, &mut self.shear)
+    }
+
+    /// Writes the frame; the mirror of [`Self::read`].
+    pub fn write(&self, bits: &mut BitWriter) {
+        self.header.write(bits);
+        // reference_mode, entropy_mode, residual_present, translation_mode.
+        bits.u(0, 6);
+        bits.flag(self.enabled.rotation);
+        bits.flag(self.enabled.scale);
+        bits.flag(self.enabled.shear);
+        bits.u(u64::from(self.translation_step), 6);
+        bits.u(u64::from(self.translation_table), 6);
+        let parameters = [
+            (&self.rotation, self.rotation_step),
+            (&self.scale, self.scale_step),
+            (&self.shear, self.shear_step),
+        ];
+        let sent = parameters.iter().filter(|(list, _)| !list.is_empty());
+        sent.clone().for_each(|&(_, step)| bits.u(u64::from(step), 6));
+        if sent.count() > 0 {
+            bits.u(u64::from(self.parameter_table), 6);
+        }
+        write_list(bits, &self.translation, self.translation_table);
+        for (list, _) in parameters {
+            write_list(bits, list, self.parameter_table);
+        }
+    }
+}
+
+/// One list of quantised triples and what holds for its values.
+struct List {
+    name: &'static str,
+    count: u32,
+    table: &'static CauchyTable,
+    step: i64,
+    /// Bounds of value · step.
+    low: i64,
+    high: i64,
+    rule: &'static str,
+}
+
+impl List {
+    fn read(&self, bits: &mut BitReader<'_, '_>, values: &mut Vec<[i32; 3]>) -> Result<(), Error> {
+        values.clear();
+        for node in 0..self.count {
+            let mut triple = [0; 3];
+            for axis in 0..3 {
+                let value = bits.huffman((self.name, node, axis as u32), self.table)?;
+                let scaled = i64::from(value) * self.step;
+                bits.require((self.low..=self.high).contains(&scaled), self.rule)?;
+                triple[axis] = value;
+            }
+            values.push(triple);
+        }
+        Ok(())
+    }
+}
+
+fn write_list(bits: &mut BitWriter, values: &[[i32; 3]], table: u8) {
+    let table = cauchy_table(table);
+    values.as_flattened().iter().for_each(|&value| bits.huffman(value, table));
+}
+
+fn read_table(bits: &mut BitReader<'_, '_>, name: &'static str) -> Result<u8, Error> {
+    let table = bits.u8(name, 6)?;
+    bits.require(table < TABLE_COUNT, rule::MOTION_TABLE_RANGE)?;
+    Ok(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn triples(limit: i32, count: u32) -> impl Strategy<Value = Vec<[i32; 3]>> {
+        prop::collection::vec(prop::array::uniform3(-limit..=limit), count as usize)
+    }
+
+    fn components() -> impl Strategy<Value = Components> {
+        any::<[bool; 3]>().prop_map(|[rotation, scale, shear]| Components {
+            rotation,
+            scale,
+            shear,
+        })
+    }
+
+    prop_compose! {
+        fn context()(node_count in 1..30_u32, affine in 0..30_u32) -> MotionContext {
+            MotionContext { node_count, affine_count: affine.min(node_count) }
+        }
+    }
+
+    fn motion() -> impl Strategy<Value = (MotionContext, MotionFrame)> {
+        (context(), components()).prop_flat_map(|(context, enabled)| {
+            let enabled = if context.affine_count > 0 { enabled } else { Components::default() };
+            let [rotations, scales, shears] = enabled.counts(&context);
+            let lists = (
+                triples(1 << 19, context.node_count),
+                triples(900, rotations),
+                triples(200, scales),
+                triples(900, shears),
+            );
+            let tables = (0..TABLE_COUNT, 0..TABLE_COUNT);
+            (lists, tables, 0..30_u8).prop_map(move |(lists, tables, step)| {
+                let any = |count| if count > 0 { step } else { 0 };
+                let table = if rotations + scales + shears > 0 { tables.1 } else { 0 };
+                let frame = MotionFrame {
+                    header: FrameHeader { name: String::new(), positions_digest: Some(7) },
+                    enabled,
+                    translation_step: step,
+                    translation_table: tables.0,
+                    rotation_step: any(rotations),
+                    scale_step: any(scales),
+                    shear_step: any(shears),
+                    parameter_table: table,
+                    translation: lists.0,
+                    rotation: lists.1,
+                    scale: lists.2,
+                    shear: lists.3,
+                };
+                (context, frame)
+            })
+        })
+    }
+
+    fn read(bytes: &[u8], context: &MotionContext) -> Result<MotionFrame, Error> {
+        let mut frame = MotionFrame::default();
+        let mut bits = BitReader::new(bytes);
+        frame.read(&mut bits, context)?;
+        bits.finish()?;
+        Ok(frame)
+    }
+
+    fn written(frame: &MotionFrame) -> Vec<u8> {
+        let mut bits = BitWriter::new();
+        frame.write(&mut bits);
+        bits.into_bytes()
+    }
+
+    proptest! {
+        #[test]
+        fn reads_what_it_writes((context, frame) in motion()) {
+            let fits = |list: &[[i32; 3]], low: i64, high: i64| {
+                let step = parameter_step(frame.rotation_step.max(frame.scale_step).max(frame.shear_step));
+                list.as_flattened().iter().all(|&q| (low..=high).contains(&(i64::from(q) * step)))
+            };
+            prop_assume!(fits(&frame.rotation, -4 * ONE, 4 * ONE));
+            prop_assume!(fits(&frame.scale, 1 - ONE, 7 * ONE));
+            prop_assume!(fits(&frame.shear, -8 * ONE, 8 * ONE));
+            let far = frame.translation.as_flattened().iter().any(|&q| {
+                (i64::from(q) * translation_step(frame.translation_step)).abs() >= TRANSLATION_LIMIT
+            });
+            let expected = if far { None } else { Some(frame.clone()) };
+            prop_assert_eq!(read(&written(&frame), &context).ok(), expected);
+        }
+    }
+
+    #[test]
+    fn a_reused_frame_forgets_the_last_one() {
+        let one = MotionContext { node_count: 1, affine_count: 0 };
+        let three = MotionContext { node_count: 3, affine_count: 0 };
+        let still = |count| MotionFrame {
+            translation: vec![[0; 3]; count],
+            rotation: vec![[0; 3]; count],
+            ..MotionFrame::default()
+        };
+        let mut frame = MotionFrame::default();
+        for (context, count) in [(three, 3), (one, 1)] {
+            let bytes = written(&still(count));
+            frame.read(&mut BitReader::new(&bytes), &context).expect("sound");
+            assert_eq!(frame, still(count));
+        }
+    }
+
+    #[test]
+    fn a_scale_never_reflects() {
+        let context = MotionContext { node_count: 1, affine_count: 1 };
+        let frame = |q| MotionFrame {
+            enabled: Components { scale: true, ..Components::default() },
+            scale_step: 40, // 2^12 units of 2^-16: q = -16 takes the scale to zero.
+            translation: vec![[0; 3]],
+            scale: vec![[q, 0, 0]],
+            ..MotionFrame::default()
+        };
+        assert!(read(&written(&frame(-15)), &context).is_ok());
+        let error = read(&written(&frame(-16)), &context).expect_err("a flat node");
+        assert_eq!(error.rule(), Some(rule::MOTION_SCALE_RANGE));
+    }
+
+    #[test]
+    fn rigid_nodes_enable_nothing() {
+        let context = MotionContext { node_count: 1, affine_count: 0 };
+        let frame = MotionFrame {
+            enabled: Components { shear: true, ..Components::default() },
+            translation: vec![[0; 3]],
+            rotation: vec![[0; 3]],
+            ..MotionFrame::default()
+        };
+        let error = read(&written(&frame), &context).expect_err("nothing to shear");
+        assert_eq!(error.rule(), Some(rule::MOTION_ENABLED_AFFINE));
+    }
+
+    #[test]
+    fn steps_rise_by_quarter_octaves() {
+        assert_eq!([0, 4, 8, 13, 63].map(translation_step), [1, 2, 4, 10, 57_344]);
+        assert_eq!([0, 1, 4, 63].map(parameter_step), [4, 5, 8, 229_376]);
+    }
+}

@@ -1,0 +1,134 @@
+//! Makes `spec/tables/cauchy_huffman.csv` from the Cauchy density.
+//!
+//! `cargo run -p kn-conform --example cauchy_tables -- --check` compares with the file,
+//! `--write` replaces it. Without either, the table is printed.
+//!
+//! Table i is for γ/Δ = 2^((i − 8)/4). A cell's mass is the integral of the density over it, in
+//! units of 2^-48; from there on all arithmetic is in integers, so the table has one right answer.
+
+use std::fmt::Write as _;
+
+const TABLES: i32 = 48;
+const MAX_LENGTH: usize = 24;
+const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../spec/tables/cauchy_huffman.csv");
+
+fn main() -> std::process::ExitCode {
+    let text = csv();
+    match std::env::args().nth(1).as_deref() {
+        Some("--check") if std::fs::read_to_string(PATH).is_ok_and(|file| file == text) => {
+            println!("{PATH} is what the density gives");
+        }
+        Some("--check") => {
+            eprintln!("{PATH} differs from what the density gives");
+            return std::process::ExitCode::FAILURE;
+        }
+        Some("--write") => {
+            if let Err(error) = std::fs::write(PATH, text) {
+                eprintln!("{PATH}: {error}");
+                return std::process::ExitCode::FAILURE;
+            }
+        }
+        _ => print!("{text}"),
+    }
+    std::process::ExitCode::SUCCESS
+}
+
+fn csv() -> String {
+    let mut text = String::from("table,max_magnitude,escape_order,escape_length");
+    for length in 1..=MAX_LENGTH {
+        let _ = write!(text, ",symbols_{length}");
+    }
+    text.push('\n');
+    for table in 0..TABLES {
+        let scale = scale(table);
+        let order = escape_order(scale);
+        let max_magnitude = (1_u32 << order) - 1;
+        let (symbols, escape) =
+            code_lengths(&masses(scale, max_magnitude), escape_mass(scale, max_magnitude));
+        let _ = write!(text, "{table},{max_magnitude},{order},{escape}");
+        for length in 1..=MAX_LENGTH {
+            let _ = write!(text, ",{}", symbols.iter().filter(|&&l| l == length).count());
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// γ/Δ of a table.
+fn scale(table: i32) -> f64 {
+    // 2^(1/4) and 2^(3/4), correctly rounded.
+    const QUARTERS: [f64; 4] =
+        [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429];
+    let exponent = (table - 8).div_euclid(4);
+    QUARTERS[(table - 8).rem_euclid(4) as usize] * 2_f64.powi(exponent)
+}
+
+/// k, with M = 2^k − 1 at least about 16γ/Δ, so that the escape takes 4 % of the mass: a tail
+/// lighter than Cauchy's then loses little. Beyond M an Exp-Golomb code of order k, whose groups
+/// double, has the lengths that the tail of the density asks for.
+fn escape_order(scale: f64) -> u32 {
+    (4..14).find(|&k| f64::from(1 << k) >= 16.0 * scale).unwrap_or(14)
+}
+
+/// Masses of 0, +1, −1, +2, … in units of 2^-48.
+fn masses(scale: f64, max_magnitude: u32) -> Vec<u64> {
+    let zero = 2.0 * libm::atan(0.5 / scale);
+    let one_side = |m: u32| {
+        // atan(a) − atan(b) as one arc tangent: nothing cancels.
+        let m = f64::from(m);
+        libm::atan(scale / (scale * scale + (m * m - 0.25)))
+    };
+    let sides = (1..=max_magnitude).flat_map(|m| [one_side(m); 2]);
+    std::iter::once(zero).chain(sides).map(in_units).collect()
+}
+
+fn escape_mass(scale: f64, max_magnitude: u32) -> u64 {
+    in_units(2.0 * libm::atan(scale / (f64::from(max_magnitude) + 0.5)))
+}
+
+fn in_units(angle: f64) -> u64 {
+    (angle / std::f64::consts::PI * 2_f64.powi(48)).round() as u64
+}
+
+/// Huffman code lengths of the symbols and of the escape.
+fn code_lengths(symbols: &[u64], escape: u64) -> (Vec<usize>, usize) {
+    let mut leaves: Vec<u64> = symbols.to_vec();
+    // The escape goes after the symbols that are at least as likely.
+    let place = leaves.partition_point(|&mass| mass >= escape);
+    leaves.insert(place, escape);
+    leaves.reverse();
+    let mut lengths = huffman(&leaves);
+    lengths.reverse();
+    let escape = lengths.remove(place);
+    assert!(
+        lengths.is_sorted() && lengths.iter().all(|&l| l <= MAX_LENGTH) && escape <= MAX_LENGTH
+    );
+    (lengths, escape)
+}
+
+/// Huffman code lengths for masses in rising order; of equal masses leaves are merged before pairs.
+fn huffman(rising: &[u64]) -> Vec<usize> {
+    let leaves = rising.len();
+    let mut parent = vec![0; 2 * leaves - 1];
+    let mut mass = rising.to_vec();
+    let (mut leaf, mut pair) = (0, leaves);
+    for node in leaves..2 * leaves - 1 {
+        let mut merged = 0;
+        for _ in 0..2 {
+            let next_is_leaf = leaf < leaves && (pair == node || mass[leaf] <= mass[pair]);
+            let next = if next_is_leaf { &mut leaf } else { &mut pair };
+            merged += mass[*next];
+            parent[*next] = node;
+            *next += 1;
+        }
+        mass.push(merged);
+    }
+    let mut depth = vec![0; 2 * leaves - 1];
+    for node in (0..2 * leaves - 2).rev() {
+        depth[node] = depth[parent[node]] + 1;
+    }
+    depth.truncate(leaves);
+    // Equal masses may have got lengths in any order: the likelier, earlier symbol gets the shorter.
+    depth.sort_unstable_by(|a, b| b.cmp(a));
+    depth
+}
