@@ -1,6 +1,8 @@
 //! Builds the tree from the top by the surface-area heuristic on binned centroids.
 
-use super::node::{Bounds, CHILDREN, Child, LANES, Leaf, Node, larger, smaller};
+use glam::Vec3A;
+
+use super::node::{Bounds, CHILDREN, Child, LANES, Leaf, Node};
 use crate::vec3::Vec3;
 
 const BINS: usize = 16;
@@ -18,8 +20,8 @@ struct Item {
 
 impl Item {
     #[inline]
-    fn twice_centre(&self, axis: usize) -> f32 {
-        self.bounds.min[axis] + self.bounds.max[axis]
+    fn twice_centre(&self) -> Vec3A {
+        self.bounds.min + self.bounds.max
     }
 }
 
@@ -101,29 +103,28 @@ fn split(items: &mut [Item], balanced: bool) -> usize {
     let (axis, low, extent) = longest_axis(items);
     if !balanced && extent > 0.0 {
         let to_bin = BINS as f32 / extent;
-        let bin = |item: &Item| (((item.twice_centre(axis) - low) * to_bin) as usize).min(BINS - 1);
+        let bin =
+            |item: &Item| (((item.twice_centre()[axis] - low) * to_bin) as usize).min(BINS - 1);
         if let Some(cut) = best_cut(items, bin) {
             return partition(items, |item| bin(item) < cut);
         }
     }
     let half = items.len() / 2;
     items.select_nth_unstable_by(half, |a, b| {
-        a.twice_centre(axis).total_cmp(&b.twice_centre(axis)).then(a.face.cmp(&b.face))
+        a.twice_centre()[axis].total_cmp(&b.twice_centre()[axis]).then(a.face.cmp(&b.face))
     });
     half
 }
 
 /// The axis along which the centres spread most: (axis, lowest, spread), centres doubled.
 fn longest_axis(items: &[Item]) -> (usize, f32, f32) {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let (mut low, mut high) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
     for item in items {
-        for axis in 0..3 {
-            low[axis] = smaller(low[axis], item.twice_centre(axis));
-            high[axis] = larger(high[axis], item.twice_centre(axis));
-        }
+        low = low.min(item.twice_centre());
+        high = high.max(item.twice_centre());
     }
-    let spread = [0, 1, 2].map(|axis| high[axis] - low[axis]);
-    let axis = (1..3).fold(0, |best, axis| if spread[axis] > spread[best] { axis } else { best });
+    let spread = high - low;
+    let axis = spread.max_position();
     (axis, low[axis], spread[axis])
 }
 

@@ -3,7 +3,7 @@
 //! Everything here is a lower bound of the distance. The four lanes of a vector are children or
 //! triangles. Coordinates are normalised: the mesh fills −1..=1 along its longest side.
 
-use glam::Vec4;
+use glam::{Vec3A, Vec4};
 
 use crate::vec3::{Vec3, cross, dot, length, scale, sub};
 
@@ -27,37 +27,35 @@ pub(super) const ROUNDING: f64 = 1.0 / (1 << 18) as f64;
 /// An axis-aligned box, rounded outwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    pub(super) min: [f32; 3],
-    pub(super) max: [f32; 3],
+    pub(super) min: Vec3A,
+    pub(super) max: Vec3A,
 }
 
 impl Bounds {
-    pub(super) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     pub(super) fn of(corners: [Vec3; 3]) -> Self {
         let mut bounds = Self::EMPTY;
         for corner in corners {
-            for axis in 0..3 {
-                let nearest = corner[axis] as f32;
-                bounds.min[axis] = bounds.min[axis].min(nearest.next_down());
-                bounds.max[axis] = bounds.max[axis].max(nearest.next_up());
-            }
+            let nearest = Vec3A::from_array(corner.map(|x| x as f32));
+            bounds.min = bounds.min.min(nearest);
+            bounds.max = bounds.max.max(nearest);
         }
-        bounds
+        // More than the rounding of coordinates in −1..=1; a thousandth of ROUNDING.
+        let rounding = Vec3A::splat(f32::EPSILON / 2.0);
+        Self { min: bounds.min - rounding, max: bounds.max + rounding }
     }
 
     #[inline]
     pub(super) fn union(&mut self, other: &Self) {
-        for axis in 0..3 {
-            self.min[axis] = smaller(self.min[axis], other.min[axis]);
-            self.max[axis] = larger(self.max[axis], other.max[axis]);
-        }
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
     }
 
-    /// Half the surface; zero for the empty box.
+    /// Half the surface; the box must not be empty.
     #[inline]
     pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|axis| larger(self.max[axis] - self.min[axis], 0.0));
+        let [x, y, z] = (self.max - self.min).to_array();
         x * y + y * z + z * x
     }
 }
@@ -120,7 +118,10 @@ pub(super) struct Node {
 impl Node {
     pub(super) fn new() -> Self {
         let empty = Bounds::EMPTY;
-        let empty = Boxes { min: empty.min.map(Lanes::splat), max: empty.max.map(Lanes::splat) };
+        let empty = Boxes {
+            min: empty.min.to_array().map(Lanes::splat),
+            max: empty.max.to_array().map(Lanes::splat),
+        };
         Self { halves: [empty; 2], children: [Child(0); CHILDREN] }
     }
 
@@ -238,16 +239,4 @@ fn unit(vector: Vec3) -> Option<Vec3> {
     let length = length(vector);
     // Below this the product of two normalised sides is mostly rounding.
     (length > 1e-15).then(|| scale(vector, 1.0 / length))
-}
-
-/// `f32::max` without its rule for NaN, which would take three instructions instead of one.
-#[inline]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// `f32::min`, likewise.
-#[inline]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

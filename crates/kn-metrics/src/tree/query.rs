@@ -123,10 +123,10 @@ impl TriangleTree {
         let bounds = leaf.distances_squared(query);
         let hits = bounds.cmplt(Lanes::splat(best.limit)).bitmask() & leaf.used;
         for lane in lanes(hits) {
-            if bounds[lane] >= best.limit {
+            let face = leaf.faces[lane];
+            if bounds[lane] >= best.limit || face == best.face {
                 continue;
             }
-            let face = leaf.faces[lane];
             let foot = self.triangles[face as usize].closest(point);
             let nearer = foot.distance_squared < best.foot.distance_squared;
             if nearer || (foot.distance_squared == best.foot.distance_squared && face < best.face) {
