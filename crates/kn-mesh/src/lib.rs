@@ -4,8 +4,14 @@
 //! Public data are plain arrays: positions `[f32; 3]` in world units or `[i32; 3]` in grid steps,
 //! faces `[u32; 3]`, one label byte per vertex.
 
+pub mod adjacency;
+mod clean;
 mod grid;
+#[cfg(feature = "io")]
+pub mod io;
 mod mesh;
+pub mod parts;
 
+pub use clean::{CleanReport, Cleaned, clean};
 pub use grid::{Grid, GridError};
-pub use mesh::{BoundingBox, GridMesh, Mesh};
+pub use mesh::{BoundingBox, GridMesh, Mesh, MeshFault};

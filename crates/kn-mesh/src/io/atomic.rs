@@ -1,0 +1,99 @@
+//! Files that appear whole or not at all.
+
+use super::{MeshError, MeshErrorKind};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes a file through `fill` into a temporary file in the same folder, then renames it.
+///
+/// On any error the temporary file is removed and a file that was at `path` before stays as it
+/// was. What exists and is no regular file (a pipe, a device) is written to directly.
+///
+/// # Errors
+/// The folder is missing or not writable, the disk is full, or what `fill` returned.
+pub fn write_atomically<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> Result<T, MeshError> {
+    let special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    let written = if special { write_directly(path, fill) } else { write_beside(path, fill) };
+    written.map_err(|error| MeshError::new(path, MeshErrorKind::Io(error)))
+}
+
+fn write_directly<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut writer = BufWriter::new(fs::OpenOptions::new().write(true).open(path)?);
+    let value = fill(&mut writer)?;
+    writer.flush()?;
+    Ok(value)
+}
+
+fn write_beside<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut temporary = temporary_beside(path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+    let value = fill(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    temporary.persist(path).map_err(|failed| failed.error)?;
+    Ok(value)
+}
+
+/// A temporary file in the folder of `path`, with the permissions of an ordinary new file.
+pub(super) fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    // Asked first for its message: the one of `tempfile_in` would name a random path.
+    fs::metadata(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".kn-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // tempfile makes private files; the process's umask shall decide, as for any output.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("mesh.obj");
+        write_atomically(&path, |w| w.write_all(b"old")).expect("written");
+        let error = write_atomically(&path, |w| {
+            w.write_all(b"half")?;
+            Err::<(), _>(io::Error::other("disk full"))
+        });
+        let message = error.expect_err("must fail").to_string();
+        assert!(message.contains("mesh.obj") && message.ends_with("disk full"), "{message}");
+        assert_eq!(fs::read(&path).expect("still there"), b"old");
+        assert_eq!(fs::read_dir(folder.path()).expect("folder").count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let error = write_atomically(Path::new("/nowhere/at/all/m.ply"), |_| Ok(()));
+        let message = error.expect_err("no such folder").to_string();
+        assert!(message.starts_with("/nowhere/at/all/m.ply: No such file"), "{message}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_an_error_that_names_the_file() {
+        let error = write_atomically(Path::new("/dev/full"), |w| w.write_all(&[0; 100]));
+        let message = error.expect_err("full").to_string();
+        assert!(message.starts_with("/dev/full: No space left"), "{message}");
+    }
+}

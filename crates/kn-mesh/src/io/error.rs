@@ -1,0 +1,202 @@
+//! What went wrong with a file, where in it, and which frame it was.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// An error about one file. Its message names the file, the frame and the place, then the reason.
+#[derive(Debug)]
+pub struct MeshError {
+    /// The file, or the pattern that matched none.
+    pub path: PathBuf,
+    /// Which frame of the sequence, counted from 0, where it was read as one.
+    pub frame: Option<usize>,
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    pub kind: MeshErrorKind,
+}
+
+/// A place in a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Nowhere in particular.
+    File,
+    /// A line of a text file, counted from 1.
+    Line(usize),
+    /// A vertex, counted from 0.
+    Vertex(usize),
+    /// A face, counted from 0.
+    Face(usize),
+}
+
+/// The reasons why a file cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshErrorKind {
+    /// The system refused: no such file, no permission, disk full.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// No bytes, or no vertices.
+    #[error("{0}")]
+    Empty(&'static str),
+    /// Vertices without any face; see [`ReadOptions::allow_no_faces`](super::ReadOptions).
+    #[error("the mesh has no faces")]
+    NoFaces,
+    /// The content breaks the rules of its format.
+    #[error("{0}")]
+    Malformed(String),
+    /// The file ends before its content does.
+    #[error("the file ends early: {0}")]
+    Truncated(String),
+    /// A coordinate is NaN, infinite or beyond the range of binary32.
+    #[error("a coordinate is NaN or infinite")]
+    NotFinite,
+    /// A face with one or two corners.
+    #[error("a face needs at least 3 corners, this one has {0}")]
+    FaceCorners(usize),
+    /// A face names a vertex that does not exist. `index` is as written in the file.
+    #[error("face index {index} is out of range: there are {vertices} vertices")]
+    FaceIndex {
+        /// The index as written in the file.
+        index: i64,
+        /// The number of vertices.
+        vertices: usize,
+    },
+    /// Not one label per vertex.
+    #[error("{labels} labels for {vertices} vertices")]
+    LabelCount {
+        /// The number of labels.
+        labels: usize,
+        /// The number of vertices.
+        vertices: usize,
+    },
+    /// A label that the caller does not know.
+    #[error("label {label} is out of range: labels are 0 to {max}")]
+    LabelRange {
+        /// The label as written in the file.
+        label: i64,
+        /// The largest label allowed.
+        max: u8,
+    },
+    /// Labels were asked from colours, but this one belongs to no part.
+    #[error("colour {0:?} is the colour of no body part")]
+    UnknownColour([u8; 3]),
+    /// Labels were asked from colours, but there are none.
+    #[error("labels were asked from vertex colours, but the file has none")]
+    NoColours,
+    /// A format, or a feature of one, that is not read or written.
+    #[error("{0}")]
+    Unsupported(String),
+    /// A pattern or folder without a mesh file.
+    #[error("no mesh file matches (.obj, .ply, .off, .glb, .gltf)")]
+    NoMatch,
+    /// A pattern or folder without a label file.
+    #[error("no label file matches")]
+    NoLabelFile,
+    /// A numbered frame is absent between two that exist.
+    #[error("this frame is missing: the sequence runs from {first} to {last}")]
+    MissingFrame {
+        /// Name of the first file.
+        first: String,
+        /// Name of the last file.
+        last: String,
+    },
+    /// The inputs do not say which frames are meant.
+    #[error("{0}")]
+    Ambiguous(String),
+    /// More than a limit allows.
+    #[error("{what}: {asked} is more than {allowed}")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is.
+        asked: u64,
+        /// How much may be.
+        allowed: u64,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        if let Some(frame) = self.frame {
+            write!(f, " (frame {frame})")?;
+        }
+        match self.place {
+            Place::File => write!(f, ": {}", self.kind),
+            Place::Line(line) => write!(f, ", line {line}: {}", self.kind),
+            Place::Vertex(vertex) => write!(f, ", vertex {vertex}: {}", self.kind),
+            Place::Face(face) => write!(f, ", face {face}: {}", self.kind),
+        }
+    }
+}
+
+impl std::error::Error for MeshError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.kind {
+            MeshErrorKind::Io(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl MeshError {
+    /// An error about a file as a whole.
+    pub fn new(path: impl Into<PathBuf>, kind: impl Into<MeshErrorKind>) -> Self {
+        Self { path: path.into(), frame: None, place: Place::File, kind: kind.into() }
+    }
+
+    /// The same error, known to be about this frame.
+    pub fn in_frame(mut self, frame: usize) -> Self {
+        self.frame = Some(frame);
+        self
+    }
+}
+
+/// An error inside a file whose name the format's reader does not know.
+#[derive(Debug)]
+pub(super) struct Fault {
+    place: Place,
+    kind: MeshErrorKind,
+}
+
+impl Fault {
+    pub(super) fn at(self, path: &Path) -> MeshError {
+        MeshError { path: path.to_owned(), frame: None, place: self.place, kind: self.kind }
+    }
+}
+
+impl From<MeshErrorKind> for Fault {
+    fn from(kind: MeshErrorKind) -> Self {
+        Self { place: Place::File, kind }
+    }
+}
+
+impl Place {
+    /// A fault here.
+    pub(super) fn fault(self, kind: MeshErrorKind) -> Fault {
+        Fault { place: self, kind }
+    }
+
+    /// Content here that breaks the rules of its format.
+    pub(super) fn malformed(self, what: impl Into<String>) -> Fault {
+        self.fault(MeshErrorKind::Malformed(what.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_file_frame_place_and_reason() {
+        let kind = MeshErrorKind::FaceIndex { index: 9, vertices: 8 };
+        let error = Place::Line(12).fault(kind).at(Path::new("scan/f_7.obj")).in_frame(7);
+        assert_eq!(
+            error.to_string(),
+            "scan/f_7.obj (frame 7), line 12: face index 9 is out of range: there are 8 vertices"
+        );
+        let error = MeshError::new("out.ply", std::io::Error::other("disk full"));
+        assert_eq!(error.to_string(), "out.ply: disk full");
+    }
+}

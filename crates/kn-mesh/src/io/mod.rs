@@ -1,0 +1,72 @@
+//! Scans from files and meshes into files: OBJ, PLY, OFF, GLB and glTF.
+//!
+//! Reading keeps the order and the number of the vertices, cuts polygons into triangles, and
+//! lists what it does not carry in [`ReadNotes`]. [`Inputs`] is a sequence of frames: a folder,
+//! a glob, a printf pattern, a list of files or one animated glTF file. Writing goes through a
+//! temporary file, so that a file is there whole or not at all.
+
+mod atomic;
+mod error;
+mod inputs;
+mod labels;
+mod notes;
+mod obj;
+mod off;
+mod ply;
+mod ply_values;
+mod read;
+mod sequence;
+mod text;
+mod write;
+
+pub use atomic::write_atomically;
+pub use error::{MeshError, MeshErrorKind, Place};
+pub use inputs::{Frames, InputFrame, Inputs};
+pub use labels::read_labels;
+pub use notes::ReadNotes;
+pub use read::{LabelSource, MAX_FILE_BYTES, ReadOptions, Scan, read_mesh};
+pub use write::{write_mesh, write_mesh_with_scalar};
+
+use error::Fault;
+use std::path::Path;
+
+/// The mesh formats, by file extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stanford PLY: ascii or binary of either byte order is read, binary is written.
+    Ply,
+    /// Geomview OFF; read only.
+    Off,
+    /// glTF 2.0 in one binary file.
+    Glb,
+    /// glTF 2.0 as JSON with its buffers beside it or inside; read only.
+    Gltf,
+}
+
+impl MeshFormat {
+    /// The format that an extension means, in upper or lower case.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        match extension.to_ascii_lowercase().as_str() {
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "off" => Some(Self::Off),
+            "glb" => Some(Self::Glb),
+            "gltf" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+
+    /// The format of a file by its name.
+    ///
+    /// # Errors
+    /// [`MeshErrorKind::Unsupported`] where the extension is none of a mesh.
+    pub fn of_path(path: &Path) -> Result<Self, MeshError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        Self::of_extension(&extension).ok_or_else(|| {
+            let what = "no known mesh format (.obj, .ply, .off, .glb, .gltf)";
+            MeshError::new(path, MeshErrorKind::Unsupported(what.into()))
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! What a file held beside the mesh: read, but not carried. Nothing is ignored silently.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::AddAssign;
+
+/// What reading found and did not carry over, and what it changed; sums over frames with `+=`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadNotes {
+    /// Faces with more than three corners, cut into fans of triangles.
+    pub polygons: u64,
+    /// Triangles that those fans became.
+    pub polygon_triangles: u64,
+    /// Content that is not carried, with how often it occurs.
+    pub ignored: BTreeMap<String, u64>,
+}
+
+impl ReadNotes {
+    /// Whether there is nothing to tell.
+    pub fn is_empty(&self) -> bool {
+        self.polygons == 0 && self.ignored.is_empty()
+    }
+
+    /// Notes that `what` occurs `count` times and is not carried; 0 times is no note.
+    pub(super) fn ignore(&mut self, what: impl Into<String>, count: u64) {
+        if count > 0 {
+            *self.ignored.entry(what.into()).or_default() += count;
+        }
+    }
+
+    /// Notes that a face with so many corners is cut into triangles.
+    pub(super) fn polygon(&mut self, corners: usize) {
+        if corners > 3 {
+            self.polygons += 1;
+            self.polygon_triangles += corners as u64 - 2;
+        }
+    }
+}
+
+impl AddAssign<&ReadNotes> for ReadNotes {
+    fn add_assign(&mut self, other: &ReadNotes) {
+        self.polygons += other.polygons;
+        self.polygon_triangles += other.polygon_triangles;
+        for (what, count) in &other.ignored {
+            self.ignore(what.clone(), *count);
+        }
+    }
+}
+
+impl fmt::Display for ReadNotes {
+    /// One line, empty where there is nothing to tell.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut separator = "";
+        if self.polygons > 0 {
+            write!(f, "{} polygons cut into {} triangles", self.polygons, self.polygon_triangles)?;
+            separator = "; ";
+        }
+        if !self.ignored.is_empty() {
+            write!(f, "{separator}not carried:")?;
+            separator = " ";
+        }
+        for (what, count) in &self.ignored {
+            write!(f, "{separator}{what} ({count})")?;
+            separator = ", ";
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_one_line_and_add_up() {
+        let mut notes = ReadNotes::default();
+        assert_eq!(notes.to_string(), "");
+        notes.polygon(3);
+        notes.polygon(5);
+        notes.ignore("normals", 8);
+        notes.ignore("lines", 0);
+        assert_eq!(notes.to_string(), "1 polygons cut into 3 triangles; not carried: normals (8)");
+        let more = notes.clone();
+        notes += &more;
+        assert_eq!((notes.polygons, notes.ignored["normals"]), (2, 16));
+    }
+}

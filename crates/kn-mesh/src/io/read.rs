@@ -1,0 +1,152 @@
+//! Reading one mesh file of any known format.
+
+use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, labels};
+use super::{obj, off, ply};
+use crate::Mesh;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Where the labels of the vertices come from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum LabelSource {
+    /// From the file itself where it has a vertex property `label` (PLY); else none.
+    #[default]
+    Property,
+    /// From vertex colours, which must be exactly those of
+    /// [`PART_COLOURS`](crate::parts::PART_COLOURS).
+    Colours,
+    /// From another file, one integer per line and vertex.
+    File(PathBuf),
+    /// No labels, whatever the file holds.
+    None,
+}
+
+/// How to read a mesh file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// Where labels come from.
+    pub labels: LabelSource,
+    /// The largest label value allowed, at most 254.
+    pub max_label: u8,
+    /// Whether a mesh without faces is read; else it is [`MeshErrorKind::NoFaces`].
+    pub allow_no_faces: bool,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            labels: LabelSource::default(),
+            max_label: crate::parts::OTHER_LABEL,
+            allow_no_faces: false,
+        }
+    }
+}
+
+/// A mesh as it is in a file: every vertex in file order, polygons cut into fans of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scan {
+    /// The mesh; [`Mesh::check`] holds.
+    pub mesh: Mesh,
+    /// What the file held beside it.
+    pub notes: ReadNotes,
+}
+
+/// The largest file that is read, in bytes: what is built in memory stays within a dozen times
+/// the file's size.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// Reads an OBJ, PLY, OFF, GLB or glTF file, known by its extension. Of a glTF file it is the
+/// rest pose of the default scene; for its animation see [`Inputs`](super::Inputs).
+///
+/// Safe on untrusted files: returns an error or a mesh with indices in range, never panics,
+/// allocates in proportion to the file and at most what [`MAX_FILE_BYTES`] allows.
+///
+/// # Errors
+/// The file cannot be read, breaks its format, or holds no valid mesh; the error names the place.
+pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> {
+    let format = MeshFormat::of_path(path)?;
+    let bytes = read_file(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let parsed = match format {
+        MeshFormat::Obj => obj::read_obj(&bytes, folder),
+        MeshFormat::Ply => ply::read_ply(&bytes),
+        MeshFormat::Off => off::read_off(&bytes),
+        MeshFormat::Glb | MeshFormat::Gltf => {
+            Err(MeshErrorKind::Unsupported("glTF files are not read yet".into()).into())
+        }
+    };
+    parsed.map_err(|fault| fault.at(path))?.finish(path, options)
+}
+
+/// All bytes of a file that is neither empty nor too large.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, MeshError> {
+    let mut bytes = Vec::new();
+    let read = || {
+        let file = File::open(path)?;
+        // A hint only: special files report 0, and a file may grow while it is read.
+        let size = file.metadata()?.len().min(MAX_FILE_BYTES);
+        bytes.reserve_exact(size as usize + 1);
+        file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)
+    };
+    let size = read_result(path, read)?;
+    if size as u64 > MAX_FILE_BYTES {
+        let kind = MeshErrorKind::TooLarge {
+            what: "bytes in the file",
+            asked: size as u64,
+            allowed: MAX_FILE_BYTES,
+        };
+        return Err(MeshError::new(path, kind));
+    }
+    if size == 0 {
+        return Err(MeshError::new(path, MeshErrorKind::Empty("the file is empty")));
+    }
+    Ok(bytes)
+}
+
+fn read_result<T>(path: &Path, read: impl FnOnce() -> std::io::Result<T>) -> Result<T, MeshError> {
+    read().map_err(|error| MeshError::new(path, error))
+}
+
+/// What a format's reader found: the mesh without labels, and what labels may come from.
+#[derive(Default)]
+pub(super) struct Parsed {
+    pub(super) mesh: Mesh,
+    /// `#V` values of a vertex property `label`, or empty.
+    pub(super) labels: Vec<i64>,
+    /// `#V × 3` vertex colours, 0 to 255, or empty.
+    pub(super) colours: Vec<[f32; 3]>,
+    pub(super) notes: ReadNotes,
+}
+
+impl Parsed {
+    /// Adds a face with three or more corners as a fan around its first.
+    pub(super) fn push_polygon(&mut self, corners: &[u32], place: Place) -> Result<(), Fault> {
+        let [first, rest @ ..] = corners else {
+            return Err(place.fault(MeshErrorKind::FaceCorners(0)));
+        };
+        if rest.len() < 2 {
+            return Err(place.fault(MeshErrorKind::FaceCorners(corners.len())));
+        }
+        self.mesh.faces.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+        self.notes.polygon(corners.len());
+        Ok(())
+    }
+
+    /// Takes the labels from where `options` say and checks the mesh as a whole.
+    pub(super) fn finish(mut self, path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> {
+        if self.mesh.positions.is_empty() {
+            return Err(MeshError::new(path, MeshErrorKind::Empty("the mesh has no vertices")));
+        }
+        if self.mesh.faces.is_empty() && !options.allow_no_faces {
+            return Err(MeshError::new(path, MeshErrorKind::NoFaces));
+        }
+        self.mesh.labels = labels::take_labels(&mut self, path, options)?;
+        self.notes.ignore("colours", self.colours.len() as u64);
+        self.notes.ignore("labels", self.labels.len() as u64);
+        match self.mesh.check() {
+            Ok(()) => Ok(Scan { mesh: self.mesh, notes: self.notes }),
+            Err(fault) => Err(MeshError::new(path, MeshErrorKind::Malformed(fault.to_string()))),
+        }
+    }
+}

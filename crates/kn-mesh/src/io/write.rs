@@ -1,0 +1,57 @@
+//! Writing one mesh into one file, whole or not at all.
+
+use super::{MeshError, MeshErrorKind, MeshFormat, obj, ply, write_atomically};
+use crate::Mesh;
+use std::path::Path;
+
+/// Writes a mesh in the format that the extension names: OBJ, PLY (binary little-endian, with
+/// the labels where there are any) or GLB. Coordinates read back to the same bits.
+///
+/// # Errors
+/// The mesh is not valid ([`Mesh::check`]), the format is not written, or the file cannot be
+/// written; then nothing is left at `path` that was not there before.
+pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
+    check(path, mesh)?;
+    match MeshFormat::of_path(path)? {
+        MeshFormat::Obj => write_atomically(path, |out| obj::write_obj(mesh, out)),
+        MeshFormat::Ply => write_atomically(path, |out| ply::write_ply(mesh, None, out)),
+        MeshFormat::Glb => Err(unsupported(path, "GLB files are not written")),
+        MeshFormat::Off => Err(unsupported(path, "OFF files are read, but not written")),
+        MeshFormat::Gltf => Err(unsupported(path, "glTF files are written as .glb")),
+    }
+}
+
+/// Writes a mesh as PLY with one more number per vertex (`values`, `#V`), for instance an error,
+/// as the property `name`.
+///
+/// # Errors
+/// As for [`write_mesh`]; also where the file is no `.ply`, `name` is no property name, or there
+/// is not one value per vertex.
+pub fn write_mesh_with_scalar(
+    path: &Path,
+    mesh: &Mesh,
+    name: &str,
+    values: &[f32],
+) -> Result<(), MeshError> {
+    check(path, mesh)?;
+    if MeshFormat::of_path(path)? != MeshFormat::Ply {
+        return Err(unsupported(path, "numbers per vertex are written to .ply only"));
+    }
+    if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
+        return Err(unsupported(path, "a property name has letters, digits and _ only"));
+    }
+    if values.len() != mesh.positions.len() {
+        let what =
+            format!("{} values of {name} for {} vertices", values.len(), mesh.positions.len());
+        return Err(MeshError::new(path, MeshErrorKind::Malformed(what)));
+    }
+    write_atomically(path, |out| ply::write_ply(mesh, Some((name, values)), out))
+}
+
+fn check(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
+    mesh.check().map_err(|fault| MeshError::new(path, MeshErrorKind::Malformed(fault.to_string())))
+}
+
+fn unsupported(path: &Path, what: &str) -> MeshError {
+    MeshError::new(path, MeshErrorKind::Unsupported(what.into()))
+}
