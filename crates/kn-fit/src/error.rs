@@ -42,8 +42,8 @@ pub enum FitError {
         /// Index of the vertex.
         vertex: usize,
     },
-    /// There are more nodes than a 16-bit index can name.
-    #[error("{nodes} key nodes are more than 65536")]
+    /// There are more nodes than a fit takes.
+    #[error("{nodes} key nodes are more than {}", crate::MAX_NODES)]
     TooManyNodes {
         /// The number asked for.
         nodes: usize,

@@ -3,6 +3,9 @@
 use crate::error::{FitError, Side};
 use kn_deform::Influence;
 
+/// The most key nodes that a fit takes.
+pub const MAX_NODES: usize = 4096;
+
 /// A reference mesh with its key nodes. Faces, influence and `affine` stay the same through a
 /// group of frames; positions and nodes move.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +37,7 @@ impl FitSource<'_> {
         if let Some(labels) = self.labels {
             check_length("labels", labels.len(), vertices)?;
         }
-        if nodes > 1 << 16 {
+        if nodes > MAX_NODES {
             return Err(FitError::TooManyNodes { nodes });
         }
         let outside = self.influence.nodes.iter().position(|&node| usize::from(node) >= nodes);
