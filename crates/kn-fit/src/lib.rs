@@ -1,1 +1,37 @@
-//! See the crate README.
+//! Fits key-node transforms to scanned meshes.
+//!
+//! A fit looks for the transforms of the key nodes that carry a reference mesh onto a scan: points
+//! are matched to the closest points of the other surface, and with the matches held fixed the
+//! bi-modal paper's energy L_data + α_reg L_reg + α_orth L_orth is minimised by L-BFGS; then the
+//! points are matched again. Nothing here is normative: a decoder never fits.
+
+mod affine;
+mod cholesky;
+mod energy;
+mod error;
+mod fitter;
+mod geodesic;
+mod group;
+mod matching;
+mod node_graph;
+mod options;
+mod orthogonality;
+mod pattern;
+mod place;
+mod quadratic;
+mod register;
+mod report;
+mod sample;
+mod source;
+mod surface;
+mod target;
+mod vec3;
+
+pub use error::{FitError, Side};
+pub use fitter::Fitter;
+pub use options::{FitOptions, PartStart};
+pub use place::place_farthest;
+pub use register::{RegisterOptions, Registration, register};
+pub use report::{Fit, FitFailure, FitReport, Residuals};
+pub use source::{FitSource, MAX_NODES};
+pub use target::FitTarget;

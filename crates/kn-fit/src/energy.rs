@@ -1,0 +1,275 @@
+//! The energy of one correspondence step as a function of the node parameters, and its minimiser.
+
+use crate::affine::{self, Affine, MAX_PARAMETERS, ZERO};
+use crate::cholesky::{BlockCholesky, Elimination};
+use crate::orthogonality;
+use crate::pattern::BlockPattern;
+use crate::quadratic::QuadraticForm;
+use argmin::core::{CostFunction, Executor, Gradient, State};
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::quasinewton::LBFGS;
+use kn_deform::{Combination, NodeTransform};
+use nalgebra::DVector;
+use std::cell::RefCell;
+
+/// Pairs of steps and gradient changes that L-BFGS keeps.
+const MEMORY: usize = 6;
+/// A minimisation ends when an iteration lowers the energy by less than this share.
+const TOLERANCE: f64 = 1e-4;
+/// What is added to the diagonal of the preconditioner, relative to its entries: directions that
+/// neither data nor smoothness see stay where they are.
+const DAMPING: f64 = 1e-6;
+
+/// L_data + α_reg L_reg as a quadratic form, and α_orth L_orth.
+#[derive(Clone, Copy)]
+pub(crate) struct Energy<'a> {
+    pub(crate) pattern: &'a BlockPattern,
+    pub(crate) form: &'a QuadraticForm,
+    /// `#N`: what each node may do.
+    pub(crate) combinations: &'a [Combination],
+    /// Weight of L_orth on nodes that scale or shear.
+    pub(crate) orthogonality: f64,
+}
+
+/// Buffers of an evaluation.
+#[derive(Debug, Default)]
+struct Scratch {
+    parameters: Vec<f64>,
+    matrices: Vec<Affine>,
+    gradient: Vec<Affine>,
+}
+
+impl Energy<'_> {
+    fn is_loose(combination: Combination) -> bool {
+        combination.scale || combination.shear
+    }
+
+    /// Value at `parameters` (in the factor's order) and, by the chain rule, the gradient.
+    fn value_and_gradient(
+        &self,
+        parameters: &[f64],
+        first: impl Fn(usize) -> usize,
+        matrices: &mut Vec<Affine>,
+        slopes: &mut Vec<Affine>,
+        gradient: &mut [f64],
+    ) -> f64 {
+        let transform = |node: usize| {
+            affine::read_parameters(&parameters[first(node)..], self.combinations[node])
+        };
+        matrices.clear();
+        matrices.extend((0..self.combinations.len()).map(|node| affine::affine(&transform(node))));
+        slopes.resize(matrices.len(), ZERO);
+        let mut value = self.form.value_and_gradient(self.pattern, matrices, slopes);
+        for (node, &combination) in self.combinations.iter().enumerate() {
+            if Self::is_loose(combination) {
+                let (m, slope) = (&matrices[node], &mut slopes[node]);
+                value += orthogonality::value_and_gradient(m, self.orthogonality, slope);
+            }
+            let (columns, count) = affine::derivatives(&transform(node), combination);
+            for p in 0..count {
+                gradient[first(node) + p] = affine::dot(&columns[p], &slopes[node]);
+            }
+        }
+        value
+    }
+
+    /// The Gauss–Newton matrix of the energy at `transforms`, factored.
+    pub(crate) fn precondition(
+        &self,
+        elimination: &Elimination,
+        transforms: &[NodeTransform],
+        factor: &mut BlockCholesky,
+    ) {
+        factor.reset(elimination, |node| affine::parameter_count(self.combinations[node]));
+        let derivatives: Vec<([Affine; MAX_PARAMETERS], usize)> = transforms
+            .iter()
+            .zip(self.combinations)
+            .map(|(transform, &combination)| affine::derivatives(transform, combination))
+            .collect();
+        for node in 0..transforms.len() {
+            let (own, count) = &derivatives[node];
+            let range = self.pattern.range(node);
+            for (block, &column) in range.zip(self.pattern.columns(node)) {
+                let column = usize::from(column);
+                let (others, width) = &derivatives[column];
+                let mut entries = [[0.0; MAX_PARAMETERS]; MAX_PARAMETERS];
+                for j in 0..*width {
+                    let product = self.form.block_product(block, &others[j]);
+                    for i in 0..*count {
+                        entries[i][j] = affine::dot(&own[i], &product);
+                    }
+                }
+                if column == node {
+                    self.add_orthogonality(node, &transforms[node], own, *count, &mut entries);
+                    (0..*count).for_each(|i| entries[i][i] *= 1.0 + DAMPING);
+                }
+                // The form's Hessian is 2H.
+                factor.set(elimination, [node, column], |i, j| 2.0 * entries[i][j]);
+            }
+        }
+        factor.factor(elimination);
+    }
+
+    fn add_orthogonality(
+        &self,
+        node: usize,
+        transform: &NodeTransform,
+        columns: &[Affine],
+        count: usize,
+        entries: &mut [[f64; MAX_PARAMETERS]; MAX_PARAMETERS],
+    ) {
+        if !Self::is_loose(self.combinations[node]) {
+            return;
+        }
+        let m = affine::affine(transform);
+        let mut slopes = [[0.0; 6]; MAX_PARAMETERS];
+        for (slopes, column) in slopes.iter_mut().zip(&columns[..count]) {
+            *slopes = orthogonality::residual_slopes(&m, column);
+        }
+        for i in 0..count {
+            for j in 0..count {
+                let product: f64 = (0..6).map(|k| slopes[i][k] * slopes[j][k]).sum();
+                entries[i][j] += self.orthogonality * product;
+            }
+        }
+    }
+}
+
+/// How a minimisation ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    pub(crate) evaluations: usize,
+    /// Energy before and after.
+    pub(crate) before: f64,
+    pub(crate) after: f64,
+}
+
+/// The energy in the variables q of p = p₀ + L⁻ᵀ q, where its Hessian is near the identity.
+struct Preconditioned<'a> {
+    energy: Energy<'a>,
+    elimination: &'a Elimination,
+    factor: &'a BlockCholesky,
+    /// p₀, in the factor's order.
+    origin: &'a [f64],
+    state: RefCell<Evaluated>,
+}
+
+/// argmin asks for value and gradient one after the other: the last evaluation is kept.
+#[derive(Default)]
+struct Evaluated {
+    at: Option<DVector<f64>>,
+    value: f64,
+    gradient: DVector<f64>,
+    scratch: Scratch,
+    count: usize,
+}
+
+impl Preconditioned<'_> {
+    fn evaluate<T>(&self, q: &DVector<f64>, read: impl Fn(&Evaluated) -> T) -> T {
+        let mut state = self.state.borrow_mut();
+        if state.at.as_ref() != Some(q) {
+            let state = &mut *state;
+            let Scratch { parameters, matrices, gradient } = &mut state.scratch;
+            self.parameters(q, parameters);
+            let slope = state.gradient.as_mut_slice();
+            let first = |node| self.factor.variable(self.elimination, node);
+            state.value =
+                self.energy.value_and_gradient(parameters, first, matrices, gradient, slope);
+            self.factor.solve_lower(self.elimination, slope);
+            match &mut state.at {
+                Some(at) => at.copy_from(q),
+                None => state.at = Some(q.clone()),
+            }
+            state.count += 1;
+        }
+        read(&state)
+    }
+
+    fn parameters(&self, q: &DVector<f64>, parameters: &mut Vec<f64>) {
+        parameters.clear();
+        parameters.extend_from_slice(q.as_slice());
+        self.factor.solve_upper(self.elimination, parameters);
+        parameters.iter_mut().zip(self.origin).for_each(|(p, origin)| *p += origin);
+    }
+}
+
+impl CostFunction for &Preconditioned<'_> {
+    type Param = DVector<f64>;
+    type Output = f64;
+
+    fn cost(&self, q: &Self::Param) -> Result<f64, argmin::core::Error> {
+        Ok(self.evaluate(q, |state| state.value))
+    }
+}
+
+impl Gradient for &Preconditioned<'_> {
+    type Param = DVector<f64>;
+    type Gradient = DVector<f64>;
+
+    fn gradient(&self, q: &Self::Param) -> Result<Self::Gradient, argmin::core::Error> {
+        Ok(self.evaluate(q, |state| state.gradient.clone()))
+    }
+}
+
+/// Lowers the energy from `transforms`, in place, by at most `iterations` of L-BFGS. `factor` must
+/// come from [`Energy::precondition`] with the same combinations, at this or a nearby state.
+/// A step that does not lower the energy leaves `transforms` as they are.
+pub(crate) fn minimise(
+    energy: Energy<'_>,
+    elimination: &Elimination,
+    factor: &BlockCholesky,
+    iterations: u64,
+    transforms: &mut [NodeTransform],
+) -> Descent {
+    let mut origin = vec![0.0; factor.len()];
+    for (node, transform) in transforms.iter().enumerate() {
+        let first = factor.variable(elimination, node);
+        affine::write_parameters(transform, energy.combinations[node], &mut origin[first..]);
+    }
+    let state = RefCell::new(Evaluated {
+        gradient: DVector::zeros(factor.len()),
+        ..Evaluated::default()
+    });
+    let problem = Preconditioned { energy, elimination, factor, origin: &origin, state };
+    let zero = DVector::zeros(factor.len());
+    let before = problem.evaluate(&zero, |state| state.value);
+    let best = run(&problem, zero, before, iterations);
+    let mut after = before;
+    if let Some((q, value)) = best
+        && value < before
+    {
+        let mut parameters = Vec::new();
+        problem.parameters(&q, &mut parameters);
+        for (node, transform) in transforms.iter_mut().enumerate() {
+            let first = factor.variable(elimination, node);
+            *transform =
+                affine::read_parameters(&parameters[first..], energy.combinations[node]);
+        }
+        after = value;
+    }
+    let evaluations = problem.state.borrow().count;
+    Descent { evaluations, before, after }
+}
+
+/// The best point that L-BFGS found. Its own termination status says nothing that the value does
+/// not: a failed line search ends a run as quietly as convergence.
+fn run(
+    problem: &Preconditioned<'_>,
+    start: DVector<f64>,
+    value: f64,
+    iterations: u64,
+) -> Option<(DVector<f64>, f64)> {
+    let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY)
+        // In these variables half the squared gradient is what is left to gain.
+        .with_tolerance_grad((TOLERANCE * value.max(0.0)).sqrt())
+        .and_then(|solver| solver.with_tolerance_cost(TOLERANCE * value.abs()))
+        .ok()?;
+    let result = Executor::new(problem, solver)
+        .configure(|state| state.param(start).max_iters(iterations))
+        .ctrlc(false)
+        .run()
+        .ok()?;
+    let value = result.state().get_best_cost();
+    let best = result.state().get_best_param()?;
+    (value.is_finite() && best.iter().all(|c| c.is_finite())).then(|| (best.clone(), value))
+}

@@ -1,0 +1,69 @@
+//! What a caller gets when the input cannot be fitted at all.
+
+/// Input that no fit can start from. A frame that is merely hard never ends here: it comes back
+/// as a fit whose report says how bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FitError {
+    /// A mesh has no vertices or no faces with an area.
+    #[error("the {mesh} mesh has no surface")]
+    NoSurface {
+        /// Which of the two meshes.
+        mesh: Side,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} of the {mesh} mesh is not finite")]
+    NotFinite {
+        /// Which of the two meshes.
+        mesh: Side,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} of the {mesh} mesh names a vertex that does not exist")]
+    BadFace {
+        /// Which of the two meshes.
+        mesh: Side,
+        /// Index of the face.
+        face: usize,
+    },
+    /// An array does not have one entry per vertex, node or influence.
+    #[error("{what} has {found} entries, {expected} are needed")]
+    Length {
+        /// The array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// An influence names a node that does not exist, or there are no nodes at all.
+    #[error("the influence of vertex {vertex} names a node that does not exist")]
+    BadInfluence {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// There are more nodes than a fit takes.
+    #[error("{nodes} key nodes are more than {}", crate::MAX_NODES)]
+    TooManyNodes {
+        /// The number asked for.
+        nodes: usize,
+    },
+}
+
+/// The two meshes of a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The mesh that is deformed: the decoder's reference.
+    Source,
+    /// The mesh that it is deformed to: the scan.
+    Target,
+}
+
+impl std::fmt::Display for Side {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Source => "source",
+            Self::Target => "target",
+        })
+    }
+}

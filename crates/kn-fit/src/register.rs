@@ -1,0 +1,114 @@
+//! Registration of one mesh to another: the fit without a codec around it.
+
+use crate::error::{FitError, Side};
+use crate::fitter::Fitter;
+use crate::options::FitOptions;
+use crate::place::place_farthest;
+use crate::report::FitReport;
+use crate::source::{FitSource, check_mesh};
+use crate::target::FitTarget;
+use kn_deform::{BindOptions, Influence, InfluenceMode, NodeTransform, WeightScheme, bind};
+
+/// How a source is registered.
+#[derive(Clone, Copy, Debug)]
+pub struct RegisterOptions {
+    /// Number of key nodes.
+    pub nodes: usize,
+    /// How the frame is fitted.
+    pub fit: FitOptions,
+}
+
+impl Default for RegisterOptions {
+    fn default() -> Self {
+        Self { nodes: 200, fit: FitOptions::default() }
+    }
+}
+
+/// A registered source.
+#[derive(Clone, Debug)]
+pub struct Registration {
+    /// `#V × 3` deformed source positions, in the source's order.
+    pub positions: Vec<[f64; 3]>,
+    /// `#N × 3` key nodes on the source.
+    pub nodes: Vec<[f64; 3]>,
+    /// `#N` transforms.
+    pub transforms: Vec<NodeTransform>,
+    /// How the fit went.
+    pub report: FitReport,
+}
+
+/// Grid steps along the source's longest side; influence is bound on this grid.
+const GRID: f64 = 2047.0;
+
+/// Deforms `source` onto `target` with rigid key nodes that are placed by farthest points.
+///
+/// # Errors
+/// A mesh that has no surface or is not well formed, see [`FitError`].
+pub fn register(
+    source_positions: &[[f64; 3]],
+    source_faces: &[[u32; 3]],
+    target_positions: &[[f64; 3]],
+    target_faces: &[[u32; 3]],
+    options: &RegisterOptions,
+) -> Result<Registration, FitError> {
+    check_mesh(source_positions, source_faces, Side::Source)?;
+    let trace = std::env::var("KN_TRACE").is_ok();
+    let t0 = std::time::Instant::now();
+    let chosen = place_farthest(source_positions, source_faces, None, options.nodes)?;
+    let nodes: Vec<[f64; 3]> = chosen.iter().map(|&v| source_positions[v as usize]).collect();
+    let t1 = std::time::Instant::now();
+    let influence = influence(source_positions, &nodes)?;
+    let t2 = std::time::Instant::now();
+    let affine = vec![false; nodes.len()];
+    let source = FitSource {
+        positions: source_positions,
+        faces: source_faces,
+        influence: &influence,
+        nodes: &nodes,
+        affine: &affine,
+        labels: None,
+    };
+    let mut fitter = Fitter::new(&source)?;
+    let t3 = std::time::Instant::now();
+    let target = FitTarget::new(target_positions, target_faces)?;
+    let t4 = std::time::Instant::now();
+    let fit = fitter.fit_frame(&source, &target, &options.fit)?;
+    if trace {
+        eprintln!("place {:?} bind {:?} fitter {:?} target {:?} fit {:?}", t1-t0, t2-t1, t3-t2, t4-t3, t4.elapsed());
+    }
+    let positions = fitter.deformed().to_vec();
+    Ok(Registration { positions, nodes, transforms: fit.transforms, report: fit.report })
+}
+
+fn influence(positions: &[[f64; 3]], nodes: &[[f64; 3]]) -> Result<Influence, FitError> {
+    let mut low = positions[0];
+    let mut high = positions[0];
+    for p in positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(p[axis]);
+            high[axis] = high[axis].max(p[axis]);
+        }
+    }
+    let side = (0..3).map(|axis| high[axis] - low[axis]).fold(f64::MIN_POSITIVE, f64::max);
+    let on_grid = |p: &[f64; 3]| -> [i32; 3] {
+        std::array::from_fn(|axis| ((p[axis] - low[axis]) / side * GRID).round() as i32)
+    };
+    let positions: Vec<[i32; 3]> = positions.iter().map(on_grid).collect();
+    let nodes: Vec<[i32; 3]> = nodes.iter().map(on_grid).collect();
+    let options = BindOptions {
+        nodes_per_vertex: 4,
+        weights: WeightScheme::InverseSquare,
+        mode: InfluenceMode::Fallback,
+    };
+    let mut influence = Influence::default();
+    bind(
+        &positions,
+        &vec![0; positions.len()],
+        &nodes,
+        &vec![0; nodes.len()],
+        &options,
+        &mut influence,
+    )
+    .map_err(|_| FitError::BadInfluence { vertex: 0 })?;
+    Ok(influence)
+}

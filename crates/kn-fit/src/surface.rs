@@ -1,0 +1,79 @@
+//! Areas, normals, borders and edges of a triangle mesh.
+
+use crate::vec3::{Vec3, add, cross, norm, scale, sub, unit};
+
+/// Twice the area of a face, along its normal.
+pub(crate) fn face_cross(positions: &[Vec3], face: [u32; 3]) -> Vec3 {
+    let [a, b, c] = face.map(|v| positions[v as usize]);
+    cross(sub(b, a), sub(c, a))
+}
+
+/// `#F` unit normals; zero for a degenerate face.
+pub(crate) fn face_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
+    faces.iter().map(|&face| unit(face_cross(positions, face))).collect()
+}
+
+/// `#V` unit normals, faces weighted by area; zero where a vertex has no face with an area.
+pub(crate) fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]], normals: &mut Vec<Vec3>) {
+    normals.clear();
+    normals.resize(positions.len(), [0.0; 3]);
+    for &face in faces {
+        let normal = face_cross(positions, face);
+        for v in face {
+            normals[v as usize] = add(normals[v as usize], normal);
+        }
+    }
+    for normal in normals {
+        *normal = unit(*normal);
+    }
+}
+
+/// `#V`, a third of the area of the faces around each vertex.
+pub(crate) fn vertex_areas(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<f64> {
+    let mut areas = vec![0.0; positions.len()];
+    for &face in faces {
+        let share = norm(face_cross(positions, face)) / 6.0;
+        for v in face {
+            areas[v as usize] += share;
+        }
+    }
+    areas
+}
+
+/// The undirected edges of a mesh, each once, with the number of faces that have it.
+pub(crate) fn edges(faces: &[[u32; 3]]) -> Vec<(u32, u32, u32)> {
+    let mut halves: Vec<(u32, u32)> = faces
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .filter(|&(a, b)| a != b)
+        .map(|(a, b)| (a.min(b), a.max(b)))
+        .collect();
+    halves.sort_unstable();
+    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(halves.len() / 2);
+    for (a, b) in halves {
+        match edges.last_mut() {
+            Some(last) if (last.0, last.1) == (a, b) => last.2 += 1,
+            _ => edges.push((a, b, 1)),
+        }
+    }
+    edges
+}
+
+/// `#V`, whether a vertex lies on an edge that only one face has.
+pub(crate) fn boundary_vertices(vertex_count: usize, edges: &[(u32, u32, u32)]) -> Vec<bool> {
+    let mut boundary = vec![false; vertex_count];
+    for &(a, b, faces) in edges {
+        if faces == 1 {
+            boundary[a as usize] = true;
+            boundary[b as usize] = true;
+        }
+    }
+    boundary
+}
+
+/// The point of a face with the given barycentric coordinates.
+pub(crate) fn point_on(positions: &[Vec3], face: [u32; 3], barycentric: Vec3) -> Vec3 {
+    (0..3).fold([0.0; 3], |sum, corner| {
+        add(sum, scale(positions[face[corner] as usize], barycentric[corner]))
+    })
+}

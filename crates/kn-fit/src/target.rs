@@ -1,0 +1,72 @@
+//! The mesh that a fit aims at, prepared once per frame.
+
+use crate::error::{FitError, Side};
+use crate::sample::Sample;
+use crate::source::{check_length, check_mesh};
+use crate::surface::{boundary_vertices, edges, vertex_areas, vertex_normals};
+use crate::vec3::{Vec3, add, scale, unit};
+use kn_metrics::TriangleTree;
+
+/// Points sampled on either mesh for all passes but the last.
+pub(crate) const SAMPLES: usize = 3000;
+
+/// A target frame with what every pass needs of it.
+#[derive(Debug)]
+pub struct FitTarget {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) faces: Vec<[u32; 3]>,
+    pub(crate) tree: TriangleTree,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) boundary: Vec<bool>,
+    pub(crate) sample: Sample,
+    pub(crate) labels: Option<Vec<u8>>,
+}
+
+impl FitTarget {
+    /// Prepares a cleaned scan: `positions` is `#V × 3`, `faces` `#F × 3`.
+    ///
+    /// # Errors
+    /// A mesh without a surface, a coordinate that is not finite, a face out of range.
+    pub fn new(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, FitError> {
+        check_mesh(positions, faces, Side::Target)?;
+        let areas = vertex_areas(positions, faces);
+        if areas.iter().sum::<f64>() <= 0.0 {
+            return Err(FitError::NoSurface { mesh: Side::Target });
+        }
+        let mut normals = Vec::new();
+        vertex_normals(positions, faces, &mut normals);
+        Ok(Self {
+            tree: TriangleTree::new(positions, faces),
+            normals,
+            boundary: boundary_vertices(positions.len(), &edges(faces)),
+            sample: Sample::spread(positions, &areas, SAMPLES),
+            positions: positions.to_vec(),
+            faces: faces.to_vec(),
+            labels: None,
+        })
+    }
+
+    /// Adds body-part labels (`#V`) for part-wise starts.
+    ///
+    /// # Errors
+    /// `labels` does not have one entry per vertex.
+    pub fn with_labels(mut self, labels: &[u8]) -> Result<Self, FitError> {
+        check_length("labels", labels.len(), self.positions.len())?;
+        self.labels = Some(labels.to_vec());
+        Ok(self)
+    }
+}
+
+/// The unit normal at a point of a face, between the normals of its corners.
+pub(crate) fn smooth_normal(normals: &[Vec3], face: [u32; 3], barycentric: Vec3) -> Vec3 {
+    let corner = |i: usize| scale(normals[face[i] as usize], barycentric[i]);
+    unit(add(add(corner(0), corner(1)), corner(2)))
+}
+
+/// Whether a point of a face lies on the border of its mesh.
+pub(crate) fn on_boundary(boundary: &[bool], face: [u32; 3], barycentric: Vec3) -> bool {
+    // Inside the face all three weights are positive, and at most an edge can be on the border.
+    let inner = barycentric.iter().all(|&w| w > 1e-9);
+    let corners = (0..3).filter(|&i| barycentric[i] > 1e-9);
+    !inner && corners.into_iter().all(|i| boundary[face[i] as usize])
+}
