@@ -18,6 +18,7 @@ rules! {
 
     FILE_SIGNATURE_VALUE = "file.signature.value", "a file begins with the signature";
     FILE_ORDER = "file.order", "the units of a file come in the written order and the index ends it";
+    FILE_GROUP_LENGTH = "file.group.length", "a group of frames has at most max_group_length frames";
     UNIT_TYPE_KNOWN = "unit.type.known", "unit_type is 1 to 5 or at least 128";
     UNIT_SIZE_LIMIT = "unit.size.limit", "unit_size is within the limit of the level";
     UNIT_SIZE_EXACT = "unit.size.exact", "a structure fills its unit exactly";
@@ -43,6 +44,10 @@ rules! {
     HEADER_NAMES_DIGITS = "header.names.digits", "name_digits is at most 9";
     NAME_CHARACTERS = "name.characters", "a name is UTF-8 without control characters, '/', '\\' and ':'";
     NAME_WHOLE = "name.whole", "a frame's name is not empty and neither '.' nor '..'";
+    INTRA_LABELS_PRESENT = "intra.labels.present", "an I-frame has labels exactly where the sequence has a label set";
+    INTRA_LABELS_RANGE = "intra.labels.range", "labels of an I-frame are labels of the sequence";
+    INTRA_VERTICES_NODES = "intra.vertices.nodes", "an I-frame with P-frames has at least one vertex";
+    INTRA_SIZE_LEVEL = "intra.size.level", "an I-frame has no more vertices and faces than the level allows";
     FRAME_RESERVED_ZERO = "frame.reserved.zero", "reserved bits of a frame header are zero";
 
     NODES_COUNT_RANGE = "nodes.count.range", "node_count is from 1 to the level's limit";
@@ -61,6 +66,10 @@ rules! {
     MOTION_ROTATION_RANGE = "motion.rotation.range", "an angle is at most 4 in magnitude";
     MOTION_SCALE_RANGE = "motion.scale.range", "a scale is greater than 0 and at most 8";
     MOTION_SHEAR_RANGE = "motion.shear.range", "a shear is at most 8 in magnitude";
+
+    DEFORM_INFLUENCE_STRICT = "deform.influence.strict", "in strict mode every region that has a vertex has a key node";
+    DEFORM_POSITION_RANGE = "deform.position.range", "deformed positions stay inside the coordinate range";
+    DEFORM_NODES_MOVE = "deform.nodes.move", "moved nodes stay inside the coordinate range";
 
     INDEX_COUNT_RANGE = "index.count.range", "group_count is at least 1";
     INDEX_FRAMES_RANGE = "index.frames.range", "group_frames is from 1 to max_group_length";

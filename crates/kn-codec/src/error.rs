@@ -54,6 +54,8 @@ pub enum DecodeErrorKind {
         /// `positions` or `faces`.
         what: &'static str,
     },
+    /// An earlier error ended the stream.
+    Failed,
     /// The caller asked for a frame that the stream does not have.
     NoSuchFrame {
         /// The frame asked for.
@@ -120,6 +122,7 @@ impl fmt::Display for DecodeError {
             Kind::Digest { frame, what } => {
                 write!(f, "frame {frame}: the decoded {what} do not match the stream's digest")
             }
+            Kind::Failed => f.write_str("an earlier error ended the stream"),
             Kind::NoSuchFrame { frame, frames } => {
                 write!(f, "there is no frame {frame}; the stream has {frames}")
             }

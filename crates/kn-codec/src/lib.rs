@@ -4,16 +4,22 @@
 //! on by default) owns the decoder's reconstruction and calls it for its reference, so that there
 //! is one copy of every decoding step.
 
+mod decode;
 pub mod digest;
 mod error;
+pub mod intra;
 mod limits;
 
+pub use decode::{Decoder, FrameInfo, FrameKind, Progress, StreamDecoder};
 pub use error::{DecodeError, DecodeErrorKind};
 pub use limits::Limits;
 
 #[cfg(feature = "encode")]
 mod encode;
 #[cfg(feature = "encode")]
-pub use encode::{AffineChoice, EncoderConfig, GridChoice, NamePattern, UnitOfLength};
+pub use encode::{
+    AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern, Summary,
+    UnitOfLength,
+};
 #[cfg(feature = "encode")]
 pub use error::EncodeError;

@@ -137,9 +137,8 @@ impl Reconstruction {
     pub(crate) fn show(&self, positions: &mut Vec<[i32; 3]>) {
         let half = (1 << self.fraction_bits) >> 1;
         positions.clear();
-        positions.extend(
-            self.reference.iter().map(|p| p.map(|c| (c + half) >> self.fraction_bits)),
-        );
+        positions
+            .extend(self.reference.iter().map(|p| p.map(|c| (c + half) >> self.fraction_bits)));
     }
 
     /// The decoded I-frame of the group, in grid steps.

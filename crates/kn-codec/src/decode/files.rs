@@ -1,0 +1,192 @@
+//! The decoder over a reader, with seeking.
+
+use crate::decode::stream::{FrameInfo, Progress, StreamDecoder};
+use crate::error::{DecodeError, DecodeErrorKind};
+use crate::limits::Limits;
+use kn_bitstream::unit::{self, Framing, SizeLimits};
+use kn_bitstream::{BitReader, Index, TAIL_BYTES, index_size, rule};
+use kn_mesh::Mesh;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
+
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Decodes a file frame by frame into a buffer that is reused.
+///
+/// Safe on untrusted input, see [`StreamDecoder`].
+#[derive(Debug)]
+pub struct Decoder<R> {
+    reader: R,
+    stream: StreamDecoder,
+    chunk: Vec<u8>,
+    index: Option<Index>,
+    /// File offset of the first group; known with the index.
+    groups_start: u64,
+}
+
+impl<R: Read> Decoder<R> {
+    /// Reads the sequence header, under the default [`Limits`].
+    ///
+    /// # Errors
+    /// See [`DecodeErrorKind`].
+    pub fn new(reader: R) -> Result<Self, DecodeError> {
+        Self::with_limits(reader, Limits::default())
+    }
+
+    /// Reads the sequence header, under the caller's limits.
+    ///
+    /// # Errors
+    /// See [`DecodeErrorKind`].
+    pub fn with_limits(mut reader: R, limits: Limits) -> Result<Self, DecodeError> {
+        let mut stream = StreamDecoder::new(limits);
+        let mut chunk = vec![0; CHUNK];
+        while stream.poll_header()?.is_some() {
+            feed(&mut reader, &mut chunk, &mut stream)?;
+        }
+        Ok(Self { reader, stream, chunk, index: None, groups_start: 0 })
+    }
+
+    /// Decodes the next frame into `mesh`; `None` after the last.
+    ///
+    /// # Errors
+    /// See [`DecodeErrorKind`]. After an error only [`Self::seek`] goes on.
+    pub fn next_frame(&mut self, mesh: &mut Mesh) -> Result<Option<FrameInfo>, DecodeError> {
+        loop {
+            match self.stream.poll(mesh)? {
+                Progress::Frame(info) => return Ok(Some(info)),
+                Progress::NeedBytes(_) => {
+                    feed(&mut self.reader, &mut self.chunk, &mut self.stream)?;
+                }
+                Progress::End => {
+                    // Nothing may follow the index.
+                    if read_some(&mut self.reader, &mut self.chunk)? == 0 {
+                        return Ok(None);
+                    }
+                    self.stream.push(&self.chunk[..1]);
+                }
+            }
+        }
+    }
+
+    /// Whether every frame is compared with the digest that it carries; off at first.
+    pub fn check_digests(&mut self, check: bool) {
+        self.stream.check_digests(check);
+    }
+
+    /// The decoder without I/O: header, grid, the last frame's integers and name.
+    pub fn stream(&self) -> &StreamDecoder {
+        &self.stream
+    }
+}
+
+impl<R: Read + Seek> Decoder<R> {
+    /// The index at the end of the file: the groups of frames in order.
+    ///
+    /// # Errors
+    /// A file without a sound index, a reader that fails.
+    pub fn index(&mut self) -> Result<&Index, DecodeError> {
+        if self.index.is_none() {
+            let position = self.reader.stream_position()?;
+            let index = read_index(&mut self.reader, self.stream.max_group_length())?;
+            self.reader.seek(SeekFrom::Start(position))?;
+            self.index = Some(index.0);
+            self.groups_start = index.1;
+        }
+        self.index.as_ref().ok_or_else(|| DecodeErrorKind::Failed.into())
+    }
+
+    /// Number of frames in the file, by its index.
+    ///
+    /// # Errors
+    /// As for [`Self::index`].
+    pub fn frame_count(&mut self) -> Result<u64, DecodeError> {
+        Ok(self.index()?.groups.iter().map(|group| u64::from(group.frames)).sum())
+    }
+
+    /// Makes `frame` (from 0) the next frame. Decodes the frames of its group before it.
+    ///
+    /// # Errors
+    /// No such frame; no sound index; whatever decoding those frames meets.
+    pub fn seek(&mut self, frame: u64) -> Result<(), DecodeError> {
+        let frames = self.frame_count()?;
+        if frame >= frames {
+            return Err(DecodeErrorKind::NoSuchFrame { frame, frames }.into());
+        }
+        let groups = &self.index()?.groups;
+        let (mut group, mut first, mut bytes) = (0, 0, 0);
+        while first + u64::from(groups[group].frames) <= frame {
+            first += u64::from(groups[group].frames);
+            bytes += u64::from(groups[group].bytes);
+            group += 1;
+        }
+        let before = groups[..group].to_vec();
+        let offset = self.groups_start + bytes;
+        self.reader.seek(SeekFrom::Start(offset))?;
+        self.stream.restart(offset, &before);
+        let mut skipped = Mesh::default();
+        for _ in first..frame {
+            self.next_frame(&mut skipped)?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads the index unit; also gives the offset of the first group.
+fn read_index<R: Read + Seek>(
+    reader: &mut R,
+    max_group_length: u8,
+) -> Result<(Index, u64), DecodeError> {
+    let length = reader.seek(SeekFrom::End(0))?;
+    let broken = |at: u64| {
+        DecodeError::from(DecodeErrorKind::Malformed {
+            rule: rule::INDEX_SIZE_VALUE,
+            at,
+            frame: None,
+        })
+    };
+    let mut tail = [0; TAIL_BYTES];
+    let tail_start = length.checked_sub(tail.len() as u64).ok_or_else(|| broken(0))?;
+    reader.seek(SeekFrom::Start(tail_start))?;
+    reader.read_exact(&mut tail)?;
+    let size = u64::from(index_size(tail));
+    let start = length.checked_sub(size).ok_or_else(|| broken(8 * tail_start))?;
+    reader.seek(SeekFrom::Start(start))?;
+    let mut bytes = Vec::new();
+    reader.take(size).read_to_end(&mut bytes)?;
+    let framing = unit::read_unit(&bytes, SizeLimits::default()).map_err(|_| broken(8 * start))?;
+    let Framing::Unit(unit) = framing else { return Err(broken(8 * start)) };
+    if unit.unit_type != unit::INDEX || unit.total_len as u64 != size {
+        return Err(broken(8 * start));
+    }
+    let payload_start = 8 * (start + unit.header_len as u64);
+    let mut bits = BitReader::new(unit.payload).at(payload_start);
+    let index = Index::read(&mut bits, unit.payload.len() as u32, max_group_length)
+        .map_err(|error| broken(error.bit))?;
+    let groups_bytes: u64 = index.groups.iter().map(|group| u64::from(group.bytes)).sum();
+    let first = start.checked_sub(groups_bytes).ok_or_else(|| broken(payload_start))?;
+    Ok((index, first))
+}
+
+/// Reads one chunk into the stream; the end of the file is an error.
+fn feed<R: Read>(
+    reader: &mut R,
+    chunk: &mut [u8],
+    stream: &mut StreamDecoder,
+) -> Result<(), DecodeError> {
+    let read = read_some(reader, chunk)?;
+    if read == 0 {
+        let (bytes, frames) = (stream.received(), stream.frame());
+        return Err(DecodeErrorKind::Truncated { bytes, frames }.into());
+    }
+    stream.push(&chunk[..read]);
+    Ok(())
+}
+
+fn read_some<R: Read>(reader: &mut R, chunk: &mut [u8]) -> Result<usize, DecodeError> {
+    loop {
+        match reader.read(chunk) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            result => return Ok(result?),
+        }
+    }
+}

@@ -1,0 +1,575 @@
+//! The decoder without I/O: bytes are pushed in, frames are polled out.
+
+use crate::decode::reconstruction::Reconstruction;
+use crate::digest::{faces_digest, positions_digest};
+use crate::error::{DecodeError, DecodeErrorKind};
+use crate::intra::{IntraDecoder, IntraLimits, decode_intra};
+use crate::limits::Limits;
+use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits, Unit};
+use kn_bitstream::{
+    BitReader, Element, Error, ErrorKind, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes,
+    KeyNodesContext, LabelSet, Level, MotionContext, MotionFrame, SequenceHeader, Trace, Value,
+    rule,
+};
+use kn_mesh::{Grid, Mesh};
+
+/// What [`StreamDecoder::poll`] reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// At least so many more bytes are needed.
+    NeedBytes(usize),
+    /// A frame has been decoded.
+    Frame(FrameInfo),
+    /// The index has been read: the stream is complete.
+    End,
+}
+
+/// Intra or predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameKind {
+    /// An I-frame: begins a group of frames and decodes alone.
+    Intra,
+    /// A P-frame: the frame before, deformed.
+    Predicted,
+}
+
+/// What is known of a decoded frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameInfo {
+    /// Position in the sequence, from 0.
+    pub index: u64,
+    /// I or P.
+    pub kind: FrameKind,
+    /// Bytes of the frame's units; a group's key nodes count with its first P-frame.
+    pub bytes: u64,
+    /// Number of vertices.
+    pub vertices: u32,
+    /// Number of faces.
+    pub faces: u32,
+    /// Number of key nodes, 0 for an I-frame.
+    pub nodes: u32,
+}
+
+/// What may come next (`file.order`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Signature,
+    Header,
+    FirstGroup,
+    AfterIntra,
+    AfterNodes,
+    InGroup,
+    End,
+    Failed,
+}
+
+/// Stands in until the header has arrived: nothing is allowed.
+const NO_LEVEL: Level =
+    Level { max_vertices: 0, max_faces: 0, max_nodes: 0, max_group_frames: 0, max_unit_bytes: 0 };
+
+/// Decodes a stream from bytes as they arrive. Does no I/O.
+///
+/// Safe on untrusted input: a stream never causes a panic, an endless loop or an allocation beyond
+/// its [`Limits`]; the faces of a decoded mesh are in range. Decoding is bit-exact: any two
+/// conforming decoders give the same integers, whatever the thread count and the chunking.
+#[derive(Debug)]
+pub struct StreamDecoder {
+    limits: Limits,
+    check_digests: bool,
+    /// Bytes that have arrived and are not decoded yet begin at `start`.
+    buffer: Vec<u8>,
+    start: usize,
+    /// Offset in the file of `buffer[start]`.
+    offset: u64,
+    stage: Stage,
+    header: Option<SequenceHeader>,
+    level: Level,
+    group: Reconstruction,
+    intra_decoder: IntraDecoder,
+    motion: MotionFrame,
+    /// `#V × 3`, the last frame on the grid.
+    shown: Vec<[i32; 3]>,
+    frame_name: String,
+    /// Index of the next frame.
+    frame: u64,
+    /// Bytes of units that belong to the next frame.
+    frame_bytes: u64,
+    /// Groups so far, to compare with the index.
+    groups: Vec<IndexGroup>,
+    group_start: u64,
+}
+
+impl StreamDecoder {
+    /// A decoder at the first byte of a file.
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            limits,
+            check_digests: false,
+            buffer: Vec::new(),
+            start: 0,
+            offset: 0,
+            stage: Stage::Signature,
+            header: None,
+            level: NO_LEVEL,
+            group: Reconstruction::default(),
+            intra_decoder: IntraDecoder::default(),
+            motion: MotionFrame::default(),
+            shown: Vec::new(),
+            frame_name: String::new(),
+            frame: 0,
+            frame_bytes: 0,
+            groups: Vec::new(),
+            group_start: 0,
+        }
+    }
+
+    /// Whether every frame is compared with the digest that it carries; off at first, since it
+    /// costs more time than decoding.
+    pub fn check_digests(&mut self, check: bool) {
+        self.check_digests = check;
+    }
+
+    /// Appends bytes of the file.
+    pub fn push(&mut self, bytes: &[u8]) {
+        if self.start > 0 && self.start >= self.buffer.len() / 2 {
+            self.buffer.drain(..self.start);
+            self.start = 0;
+        }
+        self.buffer.extend_from_slice(bytes);
+    }
+
+    /// Decodes up to the next frame, which is written into `mesh` (its buffers are reused).
+    ///
+    /// # Errors
+    /// See [`DecodeErrorKind`]. After an error the stream cannot be continued.
+    pub fn poll(&mut self, mesh: &mut Mesh) -> Result<Progress, DecodeError> {
+        self.poll_traced(mesh, None)
+    }
+
+    /// Like [`Self::poll`], and hands every syntax element to `trace`.
+    ///
+    /// # Errors
+    /// As for [`Self::poll`].
+    pub fn poll_traced(
+        &mut self,
+        mesh: &mut Mesh,
+        mut trace: Option<&mut Trace<'_>>,
+    ) -> Result<Progress, DecodeError> {
+        loop {
+            match self.step(reborrow(&mut trace)) {
+                Ok(Step::Continue) => {}
+                Ok(Step::Frame(info)) => {
+                    self.fill(mesh);
+                    return Ok(Progress::Frame(info));
+                }
+                Ok(Step::NeedBytes(n)) => return Ok(Progress::NeedBytes(n)),
+                Ok(Step::End) => return Ok(Progress::End),
+                Err(error) => {
+                    self.stage = Stage::Failed;
+                    return Err(error);
+                }
+            }
+        }
+    }
+
+    /// Decodes up to the sequence header; the number of bytes that are missing, or `None` once
+    /// the header is there.
+    pub(crate) fn poll_header(&mut self) -> Result<Option<usize>, DecodeError> {
+        while self.header.is_none() {
+            if let Step::NeedBytes(n) = self.step(None)? {
+                return Ok(Some(n));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The sequence header, once it has arrived.
+    pub fn header(&self) -> Option<&SequenceHeader> {
+        self.header.as_ref()
+    }
+
+    /// The sequence's grid, once the header has arrived.
+    pub fn grid(&self) -> Option<Grid> {
+        self.header.as_ref().map(|h| Grid { origin: h.grid_origin, step: h.grid_step })
+    }
+
+    /// The last frame's positions on the grid (`#V × 3`).
+    pub fn grid_positions(&self) -> &[[i32; 3]] {
+        &self.shown
+    }
+
+    /// The last frame's faces (`#F × 3`), the same through a group of frames.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.group.intra().faces
+    }
+
+    /// The last frame's name, without extension: its own, or by the sequence's pattern.
+    pub fn frame_name(&self) -> Option<String> {
+        if !self.frame_name.is_empty() {
+            return Some(self.frame_name.clone());
+        }
+        let names = self.header.as_ref()?.names.as_ref()?;
+        Some(names.of_frame(u32::try_from(self.frame.checked_sub(1)?).ok()?))
+    }
+
+    /// Frames per group at most; 0 before the header.
+    pub(crate) fn max_group_length(&self) -> u8 {
+        self.header.as_ref().map_or(0, |header| header.max_group_length)
+    }
+
+    /// Frames decoded so far, or the position after a seek.
+    pub(crate) fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// Bytes that have arrived.
+    pub(crate) fn received(&self) -> u64 {
+        self.offset + (self.buffer.len() - self.start) as u64
+    }
+
+    /// Goes to the first byte of a group of frames; `before` are the groups that precede it.
+    pub(crate) fn restart(&mut self, offset: u64, before: &[IndexGroup]) {
+        self.buffer.clear();
+        self.start = 0;
+        self.offset = offset;
+        self.stage = if before.is_empty() { Stage::FirstGroup } else { Stage::InGroup };
+        self.frame = before.iter().map(|group| u64::from(group.frames)).sum();
+        self.frame_bytes = 0;
+        self.groups.clear();
+        self.groups.extend_from_slice(before);
+        self.group_start = offset - before.last().map_or(0, |group| u64::from(group.bytes));
+    }
+
+    /// Decodes at most one unit.
+    fn step(&mut self, trace: Option<&mut Trace<'_>>) -> Result<Step, DecodeError> {
+        match self.stage {
+            Stage::Signature => self.read_signature(trace),
+            Stage::Failed => Err(DecodeErrorKind::Failed.into()),
+            Stage::End if self.start == self.buffer.len() => Ok(Step::End),
+            Stage::End => Err(self.malformed(rule::FILE_ORDER, 8 * self.offset)),
+            _ => {
+                // The buffer is out of `self` while a unit in it is decoded.
+                let buffer = std::mem::take(&mut self.buffer);
+                let result = self.read_unit(&buffer[self.start..], trace);
+                self.buffer = buffer;
+                let (step, used) = result?;
+                self.start += used;
+                self.offset += used as u64;
+                Ok(step)
+            }
+        }
+    }
+
+    fn read_signature(&mut self, trace: Option<&mut Trace<'_>>) -> Result<Step, DecodeError> {
+        let present = &self.buffer[self.start..];
+        let common = present.len().min(FILE_SIGNATURE.len());
+        if present[..common] != FILE_SIGNATURE[..common] {
+            return Err(self.malformed(rule::FILE_SIGNATURE_VALUE, 0));
+        }
+        if common < FILE_SIGNATURE.len() {
+            return Ok(Step::NeedBytes(FILE_SIGNATURE.len() - common));
+        }
+        if let Some(trace) = trace {
+            let value = Value::Word(u64::from_be_bytes(FILE_SIGNATURE));
+            trace(&Element { bit: 0, name: "file_signature".into(), value });
+        }
+        self.start += common;
+        self.offset += common as u64;
+        self.stage = Stage::Header;
+        Ok(Step::Continue)
+    }
+
+    /// Decodes the unit at the beginning of `bytes`; also tells how many bytes it has.
+    fn read_unit(
+        &mut self,
+        bytes: &[u8],
+        mut trace: Option<&mut Trace<'_>>,
+    ) -> Result<(Step, usize), DecodeError> {
+        let start = 8 * self.offset;
+        let framing = unit::read_unit(bytes, self.size_limits())
+            .map_err(|error| self.at(Error { bit: error.bit + start, ..error }))?;
+        let unit = match framing {
+            Framing::NeedBytes(n) => return Ok((Step::NeedBytes(n), 0)),
+            Framing::Unit(unit) => unit,
+        };
+        self.check_order(unit.unit_type)?;
+        if let Some(trace) = reborrow(&mut trace) {
+            unit.trace_header(start, trace);
+        }
+        let payload_start = start + 8 * unit.header_len as u64;
+        let step = self.decode_unit(&unit, payload_start, reborrow(&mut trace))?;
+        if let Some(trace) = trace {
+            unit.trace_end(start, trace);
+        }
+        Ok((step, unit.total_len))
+    }
+
+    fn size_limits(&self) -> SizeLimits {
+        let any_level = SizeLimits::default().level;
+        let level = self.header.as_ref().map_or(any_level, |_| self.level.max_unit_bytes);
+        SizeLimits { level, caller: self.limits.max_unit_bytes }
+    }
+
+    /// Spec rule `file.order`.
+    fn check_order(&self, unit_type: u8) -> Result<(), DecodeError> {
+        let in_order = match self.stage {
+            Stage::Header => unit_type == unit::SEQUENCE_HEADER,
+            Stage::FirstGroup => unit_type == unit::INTRA_FRAME,
+            Stage::AfterIntra => {
+                matches!(unit_type, unit::INTRA_FRAME | unit::KEY_NODES | unit::INDEX)
+            }
+            Stage::AfterNodes => unit_type == unit::MOTION_FRAME,
+            Stage::InGroup => {
+                matches!(unit_type, unit::INTRA_FRAME | unit::MOTION_FRAME | unit::INDEX)
+            }
+            Stage::Signature | Stage::End | Stage::Failed => false,
+        };
+        let skippable = unit_type >= unit::FIRST_SKIPPABLE && self.stage != Stage::Header;
+        if in_order || skippable {
+            Ok(())
+        } else {
+            Err(self.malformed(rule::FILE_ORDER, 8 * self.offset))
+        }
+    }
+
+    fn decode_unit(
+        &mut self,
+        unit: &Unit<'_>,
+        payload_start: u64,
+        trace: Option<&mut Trace<'_>>,
+    ) -> Result<Step, DecodeError> {
+        self.frame_bytes += unit.total_len as u64;
+        let mut bits = BitReader::new(unit.payload).at(payload_start);
+        if let Some(trace) = trace {
+            bits = bits.traced(trace);
+        }
+        match unit.unit_type {
+            unit::SEQUENCE_HEADER => self.decode_header(bits),
+            unit::INTRA_FRAME => self.decode_intra_frame(bits),
+            unit::KEY_NODES => self.decode_nodes(bits),
+            unit::MOTION_FRAME => self.decode_motion_frame(bits),
+            unit::INDEX => self.decode_index(bits, unit.payload.len() as u32),
+            _ => Ok(Step::Continue),
+        }
+    }
+
+    fn decode_header(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let header = SequenceHeader::read(&mut bits).map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.level = header.limits().ok_or(self.malformed(rule::HEADER_LEVEL_KNOWN, at))?;
+        self.group = Reconstruction::new(&header);
+        self.header = Some(header);
+        self.stage = Stage::FirstGroup;
+        self.frame_bytes = 0;
+        Ok(Step::Continue)
+    }
+
+    fn decode_intra_frame(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let frame = IntraFrame::read(&mut bits).map_err(|error| self.at(error))?;
+        // The payload is the last element, so it begins where the reader ends.
+        let payload_start = bits.position() - 8 * frame.payload.len() as u64;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.begin_group();
+        let limits = IntraLimits {
+            max_vertices: self.limits.max_vertices.min(self.level.max_vertices),
+            max_faces: self.limits.max_faces.min(self.level.max_faces),
+        };
+        let decoder = &mut self.intra_decoder;
+        self.group
+            .begin(|mesh| decode_intra(frame.payload, &limits, decoder, mesh))
+            .map_err(|error| self.intra_error(&error, payload_start))?;
+        self.check_labels(payload_start)?;
+        self.show(&frame.header)?;
+        if self.check_digests
+            && frame.faces_digest.is_some_and(|digest| digest != faces_digest(self.faces()))
+        {
+            return Err(DecodeErrorKind::Digest { frame: self.frame, what: "faces" }.into());
+        }
+        self.stage = Stage::AfterIntra;
+        Ok(self.finish_frame(FrameKind::Intra))
+    }
+
+    /// A new group begins at the current unit.
+    fn begin_group(&mut self) {
+        self.close_group();
+        self.group_start = self.offset;
+        self.groups.push(IndexGroup { bytes: 0, frames: 0 });
+    }
+
+    /// The last group ends before the current unit. Sizes beyond 4 GiB saturate and then cannot
+    /// match an index.
+    fn close_group(&mut self) {
+        let bytes = u32::try_from(self.offset - self.group_start).unwrap_or(u32::MAX);
+        if let Some(group) = self.groups.last_mut() {
+            group.bytes = bytes;
+        }
+    }
+
+    fn check_labels(&self, at: u64) -> Result<(), DecodeError> {
+        let has_set = self.header.as_ref().is_some_and(|h| h.labels != LabelSet::None);
+        let intra = self.group.intra();
+        let expected = if has_set { intra.positions.len() } else { 0 };
+        if intra.labels.len() != expected {
+            Err(self.malformed(rule::INTRA_LABELS_PRESENT, at))
+        } else if !self.group.labels_in_range() {
+            Err(self.malformed(rule::INTRA_LABELS_RANGE, at))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn decode_nodes(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let vertex_count = self.group.intra().positions.len() as u32;
+        if vertex_count == 0 {
+            return Err(self.malformed(rule::INTRA_VERTICES_NODES, at));
+        }
+        let header = self.header.as_ref().ok_or(self.malformed(rule::FILE_ORDER, at))?;
+        let context = KeyNodesContext {
+            label_count: header.labels.label_count(),
+            weight_scheme: header.weight_scheme,
+            vertex_count,
+            max_nodes: self.level.max_nodes,
+        };
+        let nodes = KeyNodes::read(&mut bits, &context).map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        if nodes.count() > self.limits.max_nodes {
+            let (asked, allowed) = (u64::from(nodes.count()), u64::from(self.limits.max_nodes));
+            return Err(DecodeErrorKind::Limit { what: "key nodes", asked, allowed, at }.into());
+        }
+        self.group.place(&nodes).map_err(|rule| self.malformed(rule, at))?;
+        self.stage = Stage::AfterNodes;
+        Ok(Step::Continue)
+    }
+
+    fn decode_motion_frame(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let max_length = self.max_group_length();
+        if self.groups.last().is_none_or(|group| group.frames >= max_length) {
+            return Err(self.malformed(rule::FILE_GROUP_LENGTH, at));
+        }
+        let context = MotionContext {
+            node_count: self.group.nodes().positions.len() as u32,
+            affine_count: self.group.nodes().affine_count(),
+        };
+        let mut motion = std::mem::take(&mut self.motion);
+        let result = motion.read(&mut bits, &context).and_then(|()| bits.finish());
+        self.motion = motion;
+        result.map_err(|error| self.at(error))?;
+        self.group.apply(&self.motion).map_err(|rule| self.malformed(rule, at))?;
+        let header = std::mem::take(&mut self.motion.header);
+        let shown = self.show(&header);
+        self.motion.header = header;
+        shown?;
+        self.stage = Stage::InGroup;
+        Ok(self.finish_frame(FrameKind::Predicted))
+    }
+
+    /// Rounds the reference to the grid and checks its digest.
+    fn show(&mut self, header: &FrameHeader) -> Result<(), DecodeError> {
+        self.frame_name.clear();
+        self.frame_name.push_str(&header.name);
+        self.group.show(&mut self.shown);
+        match header.positions_digest {
+            Some(digest) if self.check_digests && digest != positions_digest(&self.shown) => {
+                Err(DecodeErrorKind::Digest { frame: self.frame, what: "positions" }.into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn finish_frame(&mut self, kind: FrameKind) -> Step {
+        if let Some(group) = self.groups.last_mut() {
+            // Bounded by max_group_length, which is at most 255.
+            group.frames += 1;
+        }
+        let nodes = match kind {
+            FrameKind::Intra => 0,
+            FrameKind::Predicted => self.group.nodes().positions.len() as u32,
+        };
+        let info = FrameInfo {
+            index: self.frame,
+            kind,
+            bytes: self.frame_bytes,
+            vertices: self.shown.len() as u32,
+            faces: self.faces().len() as u32,
+            nodes,
+        };
+        self.frame += 1;
+        self.frame_bytes = 0;
+        Step::Frame(info)
+    }
+
+    fn decode_index(
+        &mut self,
+        mut bits: BitReader<'_, '_>,
+        size: u32,
+    ) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let index = Index::read(&mut bits, size, self.max_group_length())
+            .map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.close_group();
+        if index.groups != self.groups {
+            return Err(self.malformed(rule::INDEX_GROUPS_MATCH, at));
+        }
+        self.stage = Stage::End;
+        Ok(Step::Continue)
+    }
+
+    /// Copies the last frame out. Labels are those of the I-frame.
+    fn fill(&self, mesh: &mut Mesh) {
+        let Some(grid) = self.grid() else { return };
+        mesh.positions.clear();
+        mesh.positions.extend(self.shown.iter().map(|&p| grid.dequantise(p)));
+        let intra = self.group.intra();
+        // Copied for P-frames too: the caller may have brought another mesh.
+        mesh.faces.clear();
+        mesh.faces.extend_from_slice(&intra.faces);
+        mesh.labels.clear();
+        mesh.labels.extend_from_slice(&intra.labels);
+    }
+
+    fn malformed(&self, rule: &'static str, at: u64) -> DecodeError {
+        DecodeErrorKind::Malformed { rule, at, frame: self.frame_in_progress() }.into()
+    }
+
+    /// The frame that is being decoded; none before the first.
+    fn frame_in_progress(&self) -> Option<u64> {
+        self.header.as_ref().map(|_| self.frame)
+    }
+
+    fn intra_error(&self, error: &crate::intra::IntraError, payload_start: u64) -> DecodeError {
+        error.to_decode_error(payload_start, self.frame)
+    }
+
+    /// An error of the bitstream, placed in this file.
+    fn at(&self, error: Error) -> DecodeError {
+        let at = error.bit;
+        match error.kind {
+            ErrorKind::UnexpectedEnd => self.malformed(rule::UNIT_SIZE_EXACT, at),
+            ErrorKind::Malformed { rule } => self.malformed(rule, at),
+            ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at }.into(),
+            ErrorKind::Limit { what, asked, allowed } => {
+                DecodeErrorKind::Limit { what, asked, allowed, at }.into()
+            }
+        }
+    }
+}
+
+/// What one step reached.
+enum Step {
+    Continue,
+    NeedBytes(usize),
+    Frame(FrameInfo),
+    End,
+}
+
+/// A shorter borrow of an optional trace.
+fn reborrow<'a>(trace: &'a mut Option<&mut Trace<'_>>) -> Option<&'a mut Trace<'a>> {
+    match trace {
+        Some(trace) => Some(&mut **trace),
+        None => None,
+    }
+}

@@ -1,0 +1,186 @@
+//! The streaming encoder: frames are pushed in, a file comes out.
+
+use crate::decode::FrameKind;
+use crate::encode::config::EncoderConfig;
+use crate::encode::group::GroupEncoder;
+use crate::encode::report::{FrameReport, Summary};
+use crate::encode::sequence::sequence_header;
+use crate::error::EncodeError;
+use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
+use kn_bitstream::{BitWriter, Index, IndexGroup};
+use kn_mesh::Mesh;
+use std::io::Write;
+
+/// Encodes a sequence frame by frame; holds at most one group of frames.
+///
+/// The same frames and settings give the same file, whatever the number of threads.
+pub struct Encoder<W: Write> {
+    writer: W,
+    config: EncoderConfig,
+    groups: Option<GroupEncoder>,
+    /// Frames of the group that is being collected.
+    pending: Vec<Mesh>,
+    frame: u64,
+    units: Vec<u8>,
+    index: Index,
+    reports: Vec<FrameReport>,
+    summary: Summary,
+}
+
+impl<W: Write> Encoder<W> {
+    /// An encoder that writes to `writer`; nothing is written before the first group is full.
+    ///
+    /// # Errors
+    /// Settings that contradict themselves.
+    pub fn new(writer: W, config: EncoderConfig) -> Result<Self, EncodeError> {
+        if config.group_length == 0 {
+            return Err(EncodeError::Config("a group of frames has at least one frame".into()));
+        }
+        Ok(Self {
+            writer,
+            config,
+            groups: None,
+            pending: Vec::new(),
+            frame: 0,
+            units: Vec::new(),
+            index: Index::default(),
+            reports: Vec::new(),
+            summary: Summary::default(),
+        })
+    }
+
+    /// Adds a frame, a cleaned scan; a full group is encoded and written.
+    ///
+    /// # Errors
+    /// A mesh that is broken or cannot be coded, named by its index; a writer that fails.
+    pub fn push(&mut self, mesh: &Mesh) -> Result<(), EncodeError> {
+        check_mesh(mesh, self.frame)?;
+        let labelled = self.pending.first().map_or_else(
+            || self.groups.as_ref().map(GroupEncoder::is_labelled),
+            |first| Some(!first.labels.is_empty()),
+        );
+        if labelled.is_some_and(|labelled| labelled == mesh.labels.is_empty()) {
+            let reason = if mesh.labels.is_empty() {
+                "the frame has no labels, earlier frames have"
+            } else {
+                "the frame has labels, earlier frames have none"
+            };
+            return Err(EncodeError::Input { frame: self.frame, reason: reason.into() });
+        }
+        self.pending.push(mesh.clone());
+        self.frame += 1;
+        if self.pending.len() == usize::from(self.config.group_length) {
+            self.flush_group()?;
+        }
+        Ok(())
+    }
+
+    /// Reports of the frames that were encoded since the last call.
+    pub fn drain_reports(&mut self) -> std::vec::Drain<'_, FrameReport> {
+        self.reports.drain(..)
+    }
+
+    /// Encodes what is left, writes the index and flushes. The writer comes back with the summary
+    /// and the last reports.
+    ///
+    /// # Errors
+    /// No frame was pushed; as for [`Self::push`].
+    pub fn finish(mut self) -> Result<Finished<W>, EncodeError> {
+        self.flush_group()?;
+        if self.groups.is_none() {
+            return Err(EncodeError::Config("a sequence has at least one frame".into()));
+        }
+        let mut bits = BitWriter::new();
+        self.index.write(&mut bits);
+        self.units.clear();
+        write_unit(&mut self.units, unit::INDEX, &bits.into_bytes());
+        self.write_units()?;
+        self.writer.flush()?;
+        Ok(Finished { writer: self.writer, summary: self.summary, reports: self.reports })
+    }
+
+    fn flush_group(&mut self) -> Result<(), EncodeError> {
+        let Some(first) = self.pending.first() else { return Ok(()) };
+        self.units.clear();
+        let groups = match &mut self.groups {
+            Some(groups) => groups,
+            none => {
+                let header = sequence_header(&self.config, first)?;
+                self.units.extend_from_slice(&FILE_SIGNATURE);
+                let mut bits = BitWriter::new();
+                header.write(&mut bits);
+                write_unit(&mut self.units, unit::SEQUENCE_HEADER, &bits.into_bytes());
+                none.insert(GroupEncoder::new(self.config.clone(), header))
+            }
+        };
+        let start = self.units.len();
+        let reported = self.reports.len();
+        let first_index = self.frame - self.pending.len() as u64;
+        groups.encode(&self.pending, first_index, &mut self.units, &mut self.reports)?;
+        let bytes = u32::try_from(self.units.len() - start).map_err(|_| EncodeError::Input {
+            frame: first_index,
+            reason: "the group of frames is larger than 4 GiB".into(),
+        })?;
+        self.index.groups.push(IndexGroup { bytes, frames: self.pending.len() as u8 });
+        self.pending.clear();
+        for report in &self.reports[reported..] {
+            self.summary.frames += 1;
+            match report.kind {
+                FrameKind::Intra => {
+                    self.summary.intra_frames += 1;
+                    self.summary.intra_bytes += report.bytes;
+                }
+                FrameKind::Predicted => self.summary.predicted_bytes += report.bytes,
+            }
+        }
+        self.write_units()
+    }
+
+    fn write_units(&mut self) -> Result<(), EncodeError> {
+        self.writer.write_all(&self.units)?;
+        self.summary.bytes += self.units.len() as u64;
+        Ok(())
+    }
+}
+
+/// What [`Encoder::finish`] gives back.
+#[derive(Debug)]
+pub struct Finished<W> {
+    /// The writer, flushed.
+    pub writer: W,
+    /// Totals.
+    pub summary: Summary,
+    /// Reports that were not drained.
+    pub reports: Vec<FrameReport>,
+}
+
+/// Whether a frame can be coded at all.
+fn check_mesh(mesh: &Mesh, frame: u64) -> Result<(), EncodeError> {
+    let fail = |reason: String| Err(EncodeError::Input { frame, reason });
+    if mesh.positions.is_empty() {
+        return fail("the mesh has no vertices".into());
+    }
+    if mesh.faces.is_empty() {
+        return fail("the mesh has no faces".into());
+    }
+    if let Some(vertex) = mesh.positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        return fail(format!("vertex {vertex} is not finite"));
+    }
+    let count = mesh.positions.len();
+    let outside = |face: &[u32; 3]| face.iter().any(|&vertex| vertex as usize >= count);
+    if let Some(face) = mesh.faces.iter().position(outside) {
+        return fail(format!("face {face} names a vertex beyond the last, {}", count - 1));
+    }
+    if !mesh.labels.is_empty() && mesh.labels.len() != count {
+        return fail(format!("{} labels for {count} vertices", mesh.labels.len()));
+    }
+    let known = kn_bitstream::BODY_LABELS.len();
+    match mesh.labels.iter().position(|&label| usize::from(label) >= known) {
+        Some(vertex) => fail(format!(
+            "label {} of vertex {vertex} is not 0 to {}",
+            mesh.labels[vertex],
+            known - 1
+        )),
+        None => Ok(()),
+    }
+}

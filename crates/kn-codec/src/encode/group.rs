@@ -1,0 +1,192 @@
+//! One group of frames in a closed loop: what is coded is decoded again by the decoder's own
+//! reconstruction, and that is what later frames refer to.
+
+use crate::decode::{FrameKind, Reconstruction};
+use crate::digest::{faces_digest, positions_digest};
+use crate::encode::config::EncoderConfig;
+use crate::encode::motion::{MotionEncoder, fit_target};
+use crate::encode::nodes::choose_key_nodes;
+use crate::encode::report::FrameReport;
+use crate::error::EncodeError;
+use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_bitstream::unit::{self, write_unit};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader};
+use kn_mesh::{Grid, GridMesh, Mesh};
+
+/// Encodes groups of frames of one sequence, one after the other.
+pub(crate) struct GroupEncoder {
+    config: EncoderConfig,
+    header: SequenceHeader,
+    grid: Grid,
+    reconstruction: Reconstruction,
+    intra_decoder: IntraDecoder,
+    payload: Vec<u8>,
+    motion: MotionEncoder,
+    shown: Vec<[i32; 3]>,
+}
+
+impl GroupEncoder {
+    pub(crate) fn new(config: EncoderConfig, header: SequenceHeader) -> Self {
+        Self {
+            grid: Grid { origin: header.grid_origin, step: header.grid_step },
+            reconstruction: Reconstruction::new(&header),
+            motion: MotionEncoder::new(&config, &header),
+            config,
+            header,
+            intra_decoder: IntraDecoder::default(),
+            payload: Vec::new(),
+            shown: Vec::new(),
+        }
+    }
+
+    /// Whether the sequence has labels.
+    pub(crate) fn is_labelled(&self) -> bool {
+        self.header.labels != LabelSet::None
+    }
+
+    /// Appends the units of a group to `out` and a report per frame to `reports`. `first` is the
+    /// index of the group's first frame.
+    ///
+    /// # Errors
+    /// A frame that cannot be coded.
+    pub(crate) fn encode(
+        &mut self,
+        frames: &[Mesh],
+        first: u64,
+        out: &mut Vec<u8>,
+        reports: &mut Vec<FrameReport>,
+    ) -> Result<(), EncodeError> {
+        let [intra, predicted @ ..] = frames else { return Ok(()) };
+        reports.push(self.encode_intra_frame(intra, first, out)?);
+        if predicted.is_empty() {
+            return Ok(());
+        }
+        let node_bytes = self.encode_key_nodes(first + 1, out)?;
+        self.motion.begin();
+        let grid = self.grid;
+        let mut target = fit_target(&predicted[0], grid, first + 1)?;
+        for offset in 0..predicted.len() {
+            let index = first + 1 + offset as u64;
+            let next = predicted.get(offset + 1);
+            // The next frame's tree is built while this frame is fitted.
+            let (report, next_target) = rayon::join(
+                || self.encode_motion_frame(&target, index, out),
+                || next.map(|mesh| fit_target(mesh, grid, index + 1)).transpose(),
+            );
+            let mut report = report?;
+            if offset == 0 {
+                report.node_bytes = node_bytes;
+                report.bytes += node_bytes;
+            }
+            reports.push(report);
+            if let Some(next_target) = next_target? {
+                target = next_target;
+            }
+        }
+        Ok(())
+    }
+
+    fn encode_intra_frame(
+        &mut self,
+        mesh: &Mesh,
+        index: u64,
+        out: &mut Vec<u8>,
+    ) -> Result<FrameReport, EncodeError> {
+        let input = |reason: String| EncodeError::Input { frame: index, reason };
+        let positions = self.grid.quantise(&mesh.positions);
+        let coded = GridMesh {
+            positions: positions.map_err(|error| input(error.to_string()))?,
+            faces: mesh.faces.clone(),
+            labels: mesh.labels.clone(),
+        };
+        self.payload.clear();
+        encode_intra(&coded, &mut self.payload).map_err(|error| input(error.to_string()))?;
+        self.decode_payload().map_err(input)?;
+        self.reconstruction.show(&mut self.shown);
+        let decoded = self.reconstruction.intra();
+        let digests = self.config.digests;
+        let positions_digest = digests.then(|| positions_digest(&self.shown));
+        let frame = IntraFrame {
+            header: FrameHeader { name: String::new(), positions_digest },
+            faces_digest: digests.then(|| faces_digest(&decoded.faces)),
+            payload: &self.payload,
+        };
+        let mut bits = BitWriter::new();
+        frame.write(&mut bits);
+        Ok(FrameReport {
+            index,
+            kind: FrameKind::Intra,
+            bytes: append_unit(out, unit::INTRA_FRAME, bits),
+            node_bytes: 0,
+            vertices: decoded.positions.len() as u32,
+            faces: decoded.faces.len() as u32,
+            nodes: 0,
+            combination: None,
+            fit_rms: 0.0,
+            warning: None,
+        })
+    }
+
+    /// The decoder's view of the I-frame that was just coded.
+    fn decode_payload(&mut self) -> Result<(), String> {
+        let level = self.header.limits().ok_or("the sequence has no level")?;
+        let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
+        let (payload, decoder) = (&self.payload, &mut self.intra_decoder);
+        self.reconstruction
+            .begin(|decoded| decode_intra(payload, &limits, decoder, decoded))
+            .map_err(|error| error.to_string())
+    }
+
+    /// Chooses, codes and places the group's key nodes; returns the bytes of their unit.
+    fn encode_key_nodes(&mut self, frame: u64, out: &mut Vec<u8>) -> Result<u64, EncodeError> {
+        let input = |reason: String| EncodeError::Input { frame, reason };
+        let nodes = choose_key_nodes(&self.config, &self.header, self.reconstruction.intra())
+            .map_err(|error| input(error.to_string()))?;
+        self.reconstruction.place(&nodes).map_err(|rule| input(broken(rule)))?;
+        let mut bits = BitWriter::new();
+        nodes.write(&mut bits);
+        Ok(append_unit(out, unit::KEY_NODES, bits))
+    }
+
+    fn encode_motion_frame(
+        &mut self,
+        target: &kn_fit::FitTarget,
+        index: u64,
+        out: &mut Vec<u8>,
+    ) -> Result<FrameReport, EncodeError> {
+        let input = |reason: String| EncodeError::Input { frame: index, reason };
+        let fit = self.motion.fit(&self.reconstruction, target).map_err(input)?;
+        let motion = self.motion.quantise(&self.reconstruction, &fit);
+        self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
+        self.reconstruction.show(&mut self.shown);
+        motion.header.positions_digest = self.config.digests.then(|| positions_digest(&self.shown));
+        let mut bits = BitWriter::new();
+        motion.write(&mut bits);
+        let intra = self.reconstruction.intra();
+        Ok(FrameReport {
+            index,
+            kind: FrameKind::Predicted,
+            bytes: append_unit(out, unit::MOTION_FRAME, bits),
+            node_bytes: 0,
+            vertices: intra.positions.len() as u32,
+            faces: intra.faces.len() as u32,
+            nodes: self.reconstruction.nodes().positions.len() as u32,
+            combination: Some(self.config.combination),
+            fit_rms: fit.report.source_to_target.rms * self.grid.step,
+            warning: fit.report.failure.map(|failure| failure.to_string()),
+        })
+    }
+}
+
+/// Frames a structure; returns the bytes of the unit.
+fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
+    let before = out.len();
+    write_unit(out, unit_type, &bits.into_bytes());
+    (out.len() - before) as u64
+}
+
+/// A rule that a frame would break, in the words of the specification.
+fn broken(rule: &'static str) -> String {
+    let sentence = kn_bitstream::rule::sentence(rule).unwrap_or("it cannot be coded");
+    format!("{sentence} (rule {rule})")
+}

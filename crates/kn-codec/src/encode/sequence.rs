@@ -1,0 +1,125 @@
+//! From the settings and the first frame to the sequence header.
+
+use crate::encode::config::{EncoderConfig, GridChoice, UnitOfLength};
+use crate::error::EncodeError;
+use kn_bitstream::{
+    FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
+    UnitOfLength as CodedUnit, WeightScheme as CodedScheme,
+};
+use kn_deform::{InfluenceMode, WeightScheme};
+use kn_mesh::{BoundingBox, Grid, Mesh};
+
+/// The header of a sequence that begins with `first`, which is sound and has a vertex.
+///
+/// # Errors
+/// Settings that no header can carry.
+pub(crate) fn sequence_header(
+    config: &EncoderConfig,
+    first: &Mesh,
+) -> Result<SequenceHeader, EncodeError> {
+    let grid = choose_grid(&config.grid, first)?;
+    let header = SequenceHeader {
+        level: choose_level(config, first)?,
+        frame_rate: [config.frame_rate.0, config.frame_rate.1],
+        up_axis: config.up_axis,
+        unit_of_length: coded_unit(config.unit),
+        fraction_bits: config.fraction_bits,
+        max_group_length: config.group_length,
+        nodes_per_vertex: config.nodes_per_vertex,
+        weight_scheme: match config.weights {
+            WeightScheme::InverseSquare => CodedScheme::InverseSquare,
+            WeightScheme::Sumner => CodedScheme::Sumner,
+            WeightScheme::Gaussian { .. } => CodedScheme::Gaussian,
+        },
+        influence_mode: match config.influence {
+            InfluenceMode::Strict => CodedMode::Strict,
+            InfluenceMode::Fallback => CodedMode::Fallback,
+        },
+        labels: if first.labels.is_empty() { LabelSet::None } else { LabelSet::Body },
+        grid_origin: grid.origin,
+        grid_step: grid.step,
+        names: config.names.as_ref().map(|names| FileNames {
+            prefix: names.prefix.clone(),
+            digits: names.digits,
+            first: names.first,
+        }),
+    };
+    check(&header, config)?;
+    Ok(header)
+}
+
+/// What the types let through and the specification does not.
+fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeError> {
+    let require = |holds: bool, what: &str| {
+        if holds { Ok(()) } else { Err(EncodeError::Config(what.to_owned())) }
+    };
+    require(!header.frame_rate.contains(&0), "the frame rate is zero")?;
+    require(header.up_axis < 3, "the up axis is not 0, 1 or 2")?;
+    require(header.fraction_bits <= 8, "more than 8 fraction bits")?;
+    require(header.max_group_length > 0, "a group of frames has at least one frame")?;
+    require((1..=8).contains(&header.nodes_per_vertex), "nodes per vertex are 1 to 8")?;
+    require(config.nodes > 0, "there must be a key node")?;
+    require(config.motion_step > 0.0, "the motion step is not positive")?;
+    if let WeightScheme::Gaussian { sigma } = config.weights {
+        require((1..1 << 20).contains(&sigma), "sigma is not 1 to 2^20 − 1 grid steps")?;
+    }
+    if let Some(names) = &header.names {
+        let text = kn_bitstream::name_text(names.prefix.as_bytes());
+        require(names.prefix.len() < 256 && text.is_some(), "the name prefix cannot be coded")?;
+        require(names.digits <= 9, "names have at most 9 digits")?;
+    }
+    Ok(())
+}
+
+/// The lowest level, from 1 on, that holds twice the first frame: later frames may be larger.
+fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError> {
+    let fits = |level: &Level| {
+        level.max_vertices as usize >= 2 * first.positions.len()
+            && level.max_faces as usize >= 2 * first.faces.len()
+            && level.max_nodes as usize >= config.nodes
+            && level.max_group_frames >= u32::from(config.group_length)
+    };
+    let level = Level::all().filter(|(number, level)| *number > 0 && fits(level)).next();
+    level.map(|(number, _)| number).ok_or_else(|| {
+        let (vertices, nodes) = (first.positions.len(), config.nodes);
+        EncodeError::Config(format!("no level holds {vertices} vertices and {nodes} key nodes"))
+    })
+}
+
+/// The grid that the settings ask for: its origin is the lowest corner of the box.
+fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
+    let (GridChoice::Bits { bounds, .. } | GridChoice::Step { bounds, .. }) = choice;
+    let bounds = match bounds.or_else(|| first.bounding_box()) {
+        Some(bounds) => bounds,
+        None => return Err(EncodeError::Config("the first frame has no box".into())),
+    };
+    let step = match *choice {
+        GridChoice::Step { step, .. } => step,
+        GridChoice::Bits { bits, .. } if (4..=20).contains(&bits) => step_of_bits(bits, &bounds),
+        GridChoice::Bits { bits, .. } => {
+            return Err(EncodeError::Config(format!("{bits} bits are not 4 to 20")));
+        }
+    };
+    let sound = step.is_finite() && step > 0.0 && bounds.min.iter().all(|c| c.is_finite());
+    if !sound {
+        return Err(EncodeError::Config(format!("the grid step {step} is not positive")));
+    }
+    Ok(Grid { origin: bounds.min, step })
+}
+
+/// A box without extent has any step.
+fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
+    let side = bounds.longest_side();
+    if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
+}
+
+fn coded_unit(unit: UnitOfLength) -> CodedUnit {
+    match unit {
+        UnitOfLength::Unspecified => CodedUnit::Unspecified,
+        UnitOfLength::Metre => CodedUnit::Metre,
+        UnitOfLength::Centimetre => CodedUnit::Centimetre,
+        UnitOfLength::Millimetre => CodedUnit::Millimetre,
+        UnitOfLength::Inch => CodedUnit::Inch,
+        UnitOfLength::Foot => CodedUnit::Foot,
+    }
+}
