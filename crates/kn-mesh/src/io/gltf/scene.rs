@@ -321,7 +321,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, Fault> {
             [] => Vec::new(),
             [first, rest @ ..] => rest.windows(2).map(|w| [w[0], w[1], *first]).collect(),
         },
-        _ if indices.len() % 3 != 0 => {
+        _ if !indices.len().is_multiple_of(3) => {
             return Err(bad(format!("{} face indices are no triangles", indices.len())));
         }
         _ => indices.chunks_exact(3).map(|w| [w[0], w[1], w[2]]).collect(),
