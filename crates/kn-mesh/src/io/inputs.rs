@@ -1,7 +1,10 @@
 //! A sequence of frames to read, one after the other, as often as needed.
 
+use super::gltf::Scene;
+use super::read::read_file;
 use super::sequence::{Kind, find_files, listed_files};
-use super::{LabelSource, MeshError, MeshErrorKind, ReadNotes, ReadOptions, read_mesh};
+use super::{Fault, LabelSource, MeshError, MeshErrorKind, MeshFormat};
+use super::{ReadNotes, ReadOptions, read_mesh};
 use crate::Mesh;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,17 +12,20 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
 
 /// The frames of a sequence: where they are and how to read them.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Inputs {
-    shared: Arc<Shared>,
-}
-
-#[derive(Clone, Debug)]
-struct Shared {
-    files: Vec<PathBuf>,
+    source: Source,
     /// One per frame, or empty.
     labels: Vec<PathBuf>,
     options: ReadOptions,
+}
+
+#[derive(Clone)]
+enum Source {
+    /// One file per frame.
+    Files(Arc<Vec<PathBuf>>),
+    /// All frames in one glTF file.
+    Animation { path: PathBuf, scene: Arc<Scene>, frames: usize },
 }
 
 /// One frame of a sequence.
@@ -27,7 +33,7 @@ struct Shared {
 pub struct InputFrame {
     /// Number of the frame in the sequence, from 0.
     pub index: usize,
-    /// File name without extension.
+    /// File name without extension; with the frame number where one file holds many frames.
     pub name: String,
     /// The file it was read from.
     pub path: PathBuf,
@@ -43,15 +49,24 @@ impl Inputs {
     /// number none may be missing. Several specs are files in the order given; only if this is
     /// the alphabetical order, as from a shell's glob, it becomes the natural one (`f_9`, `f_10`).
     ///
+    /// A single GLB or glTF file with an animation is one frame for every step of
+    /// [`ReadOptions::frame_rate`] between its first and its last key frame.
+    ///
     /// # Errors
-    /// Nothing matches, a numbered frame is missing, or formats are mixed.
+    /// Nothing matches, a numbered frame is missing, formats are mixed, or an animated file cannot
+    /// be read.
     pub fn find(specs: &[PathBuf], options: ReadOptions) -> Result<Self, MeshError> {
         let files = match specs {
             [] => return Err(MeshError::new("", MeshErrorKind::NoMatch)),
             [spec] => find_files(spec, Kind::Meshes)?,
             list => listed_files(list)?,
         };
-        Ok(Self { shared: Arc::new(Shared { files, labels: Vec::new(), options }) })
+        let source = match &files[..] {
+            [path] => animation(path, options.frame_rate)?,
+            _ => None,
+        };
+        let source = source.unwrap_or_else(|| Source::Files(Arc::new(files)));
+        Ok(Self { source, labels: Vec::new(), options })
     }
 
     /// Takes the labels from files beside the meshes: a folder, a glob, a printf pattern or, for
@@ -59,20 +74,22 @@ impl Inputs {
     ///
     /// # Errors
     /// As for [`Inputs::find`], or there is not one label file per frame.
-    pub fn with_labels(self, spec: &Path) -> Result<Self, MeshError> {
+    pub fn with_labels(mut self, spec: &Path) -> Result<Self, MeshError> {
         let labels = find_files(spec, Kind::Labels)?;
         if labels.len() != self.len() {
             let what = format!("{} label files for {} frames", labels.len(), self.len());
             return Err(MeshError::new(spec, MeshErrorKind::Ambiguous(what)));
         }
-        let mut shared = Arc::unwrap_or_clone(self.shared);
-        shared.labels = labels;
-        Ok(Self { shared: Arc::new(shared) })
+        self.labels = labels;
+        Ok(self)
     }
 
     /// The number of frames.
     pub fn len(&self) -> usize {
-        self.shared.files.len()
+        match &self.source {
+            Source::Files(files) => files.len(),
+            Source::Animation { frames, .. } => *frames,
+        }
     }
 
     /// Whether there are no frames; never true for what [`Inputs::find`] returns.
@@ -85,10 +102,10 @@ impl Inputs {
     /// nothing more comes.
     pub fn frames(&self) -> Frames {
         let (sender, receiver) = sync_channel(1);
-        let shared = Arc::clone(&self.shared);
+        let inputs = self.clone();
         let reader = std::thread::spawn(move || {
-            for index in 0..shared.files.len() {
-                let frame = shared.read(index);
+            for index in 0..inputs.len() {
+                let frame = inputs.read(index);
                 let last = frame.is_err();
                 // The receiver is gone when the caller has dropped the iterator.
                 if sender.send(frame).is_err() || last {
@@ -107,21 +124,43 @@ impl Inputs {
     /// # Panics
     /// If `index` is not below [`Inputs::len`].
     pub fn read(&self, index: usize) -> Result<InputFrame, MeshError> {
-        self.shared.read(index)
-    }
-}
-
-impl Shared {
-    fn read(&self, index: usize) -> Result<InputFrame, MeshError> {
-        let path = &self.files[index];
+        assert!(index < self.len(), "frame {index} of {}", self.len());
         let mut options = self.options.clone();
         if let Some(labels) = self.labels.get(index) {
             options.labels = LabelSource::File(labels.clone());
         }
-        let scan = read_mesh(path, &options).map_err(|error| error.in_frame(index))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stem =
+            |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let (path, name, scan) = match &self.source {
+            Source::Files(files) => {
+                let path = &files[index];
+                (path, stem(path), read_mesh(path, &options))
+            }
+            Source::Animation { path, scene, .. } => {
+                let parsed = scene.at_frame(index, options.frame_rate);
+                let name = format!("{}_{index:04}", stem(path));
+                (path, name, parsed.finish(path, &options))
+            }
+        };
+        let scan = scan.map_err(|error| error.in_frame(index))?;
         Ok(InputFrame { index, name, path: path.clone(), mesh: scan.mesh, notes: scan.notes })
     }
+}
+
+/// The frames of a glTF file that has an animation; `None` for any other file.
+fn animation(path: &Path, frame_rate: f64) -> Result<Option<Source>, MeshError> {
+    if !matches!(MeshFormat::of_path(path)?, MeshFormat::Glb | MeshFormat::Gltf) {
+        return Ok(None);
+    }
+    let at = |fault: Fault| fault.at(path);
+    let scene =
+        Scene::load(read_file(path)?, path.parent().unwrap_or(Path::new(""))).map_err(at)?;
+    let frames = scene.frame_count(frame_rate).map_err(at)?;
+    Ok(frames.map(|frames| Source::Animation {
+        path: path.to_owned(),
+        scene: Arc::new(scene),
+        frames,
+    }))
 }
 
 /// The frames of [`Inputs::frames`].

@@ -7,6 +7,7 @@
 
 mod atomic;
 mod error;
+mod gltf;
 mod inputs;
 mod labels;
 mod notes;
@@ -21,6 +22,7 @@ mod write;
 
 pub use atomic::write_atomically;
 pub use error::{MeshError, MeshErrorKind, Place};
+pub use gltf::GlbWriter;
 pub use inputs::{Frames, InputFrame, Inputs};
 pub use labels::read_labels;
 pub use notes::ReadNotes;

@@ -1,8 +1,8 @@
 //! Reading one mesh file of any known format.
 
-use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, labels};
+use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, gltf, labels};
 use super::{obj, off, ply};
-use crate::Mesh;
+use crate::{Mesh, MeshFault};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,8 @@ pub struct ReadOptions {
     pub max_label: u8,
     /// Whether a mesh without faces is read; else it is [`MeshErrorKind::NoFaces`].
     pub allow_no_faces: bool,
+    /// Frames per second that an animated glTF file is sampled at.
+    pub frame_rate: f64,
 }
 
 impl Default for ReadOptions {
@@ -39,6 +41,7 @@ impl Default for ReadOptions {
             labels: LabelSource::default(),
             max_label: crate::parts::OTHER_LABEL,
             allow_no_faces: false,
+            frame_rate: 30.0,
         }
     }
 }
@@ -72,9 +75,7 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> 
         MeshFormat::Obj => obj::read_obj(&bytes, folder),
         MeshFormat::Ply => ply::read_ply(&bytes),
         MeshFormat::Off => off::read_off(&bytes),
-        MeshFormat::Glb | MeshFormat::Gltf => {
-            Err(MeshErrorKind::Unsupported("glTF files are not read yet".into()).into())
-        }
+        MeshFormat::Glb | MeshFormat::Gltf => gltf::read_rest_pose(bytes, folder),
     };
     parsed.map_err(|fault| fault.at(path))?.finish(path, options)
 }
@@ -146,6 +147,9 @@ impl Parsed {
         self.notes.ignore("labels", self.labels.len() as u64);
         match self.mesh.check() {
             Ok(()) => Ok(Scan { mesh: self.mesh, notes: self.notes }),
+            Err(MeshFault::NotFinite { vertex }) => {
+                Err(Place::Vertex(vertex).fault(MeshErrorKind::NotFinite).at(path))
+            }
             Err(fault) => Err(MeshError::new(path, MeshErrorKind::Malformed(fault.to_string()))),
         }
     }

@@ -1,6 +1,6 @@
 //! Writing one mesh into one file, whole or not at all.
 
-use super::{MeshError, MeshErrorKind, MeshFormat, obj, ply, write_atomically};
+use super::{GlbWriter, MeshError, MeshErrorKind, MeshFormat, obj, ply, write_atomically};
 use crate::Mesh;
 use std::path::Path;
 
@@ -15,7 +15,12 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
     match MeshFormat::of_path(path)? {
         MeshFormat::Obj => write_atomically(path, |out| obj::write_obj(mesh, out)),
         MeshFormat::Ply => write_atomically(path, |out| ply::write_ply(mesh, None, out)),
-        MeshFormat::Glb => Err(unsupported(path, "GLB files are not written")),
+        MeshFormat::Glb => {
+            // The rate of a single frame is written nowhere.
+            let mut writer = GlbWriter::create(path, 1.0)?;
+            writer.push(mesh)?;
+            writer.finish()
+        }
         MeshFormat::Off => Err(unsupported(path, "OFF files are read, but not written")),
         MeshFormat::Gltf => Err(unsupported(path, "glTF files are written as .glb")),
     }

@@ -1,0 +1,49 @@
+//! Times our readers against tobj and ply-rs-bw on one OBJ file and its PLY copy, and shows what
+//! tobj makes of the vertices: `cargo run --release -p kn-mesh --example read_speed -- FILE.obj`.
+
+use kn_mesh::io::{ReadOptions, read_mesh, write_mesh};
+use ply_rs_bw::{parser::Parser, ply::DefaultElement};
+use std::path::Path;
+use std::time::Instant;
+
+/// The fastest of 20 runs, in milliseconds, and the last result.
+fn fastest<T>(mut run: impl FnMut() -> T) -> (f64, T) {
+    let mut best = f64::INFINITY;
+    loop {
+        for _ in 0..19 {
+            let start = Instant::now();
+            drop(run());
+            best = best.min(start.elapsed().as_secs_f64() * 1e3);
+        }
+        let start = Instant::now();
+        let last = run();
+        return (best.min(start.elapsed().as_secs_f64() * 1e3), last);
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let Some(obj) = std::env::args_os().nth(1) else { return Err("give an OBJ file".into()) };
+    let obj = Path::new(&obj);
+    let options = ReadOptions::default();
+    let (ours, scan) = fastest(|| read_mesh(obj, &options));
+    let mesh = scan?.mesh;
+    let (theirs, models) = fastest(|| tobj::load_obj(obj, &tobj::LoadOptions::default()));
+    let vertices = |models: &[tobj::Model]| -> usize {
+        models.iter().map(|model| model.mesh.positions.len() / 3).sum()
+    };
+    println!("OBJ  ours {ours:.2} ms, {} vertices", mesh.positions.len());
+    println!("OBJ  tobj {theirs:.2} ms, {} vertices", vertices(&models?.0));
+
+    let folder = tempfile::tempdir()?;
+    let ply = folder.path().join("copy.ply");
+    write_mesh(&ply, &mesh)?;
+    let (ours, _) = fastest(|| read_mesh(&ply, &options));
+    let (theirs, _) = fastest(|| {
+        let bytes = std::fs::read(&ply).unwrap_or_default();
+        Parser::<DefaultElement>::new().read_ply(&mut &bytes[..])
+    });
+    println!("PLY  ours {ours:.2} ms\nPLY  ply-rs-bw {theirs:.2} ms (hash map per element)");
+    let (clean, _) = fastest(|| kn_mesh::clean(&mesh));
+    println!("clean {clean:.2} ms");
+    Ok(())
+}

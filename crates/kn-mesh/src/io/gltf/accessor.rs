@@ -1,0 +1,237 @@
+//! Typed arrays in buffers. Everything is checked when an accessor is opened, so that reading it
+//! cannot fail.
+
+use super::super::{Fault, MeshErrorKind};
+use super::{bad, container::Buffer};
+use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
+
+/// The document and its buffers, to open accessors in.
+pub(super) struct Document {
+    pub(super) root: Root,
+    pub(super) buffers: Vec<Buffer>,
+}
+
+/// Most numbers that one file may make us hold: accessors can share the same few bytes, and those
+/// without data of their own cost a file nothing.
+const MAX_NUMBERS: u64 = 1 << 28;
+
+/// How many numbers the accessors opened so far hold.
+#[derive(Default)]
+pub(super) struct Budget {
+    spent: u64,
+}
+
+impl Budget {
+    fn spend(&mut self, numbers: u64) -> Result<(), Fault> {
+        self.spent = self.spent.saturating_add(numbers);
+        if self.spent <= MAX_NUMBERS {
+            return Ok(());
+        }
+        let what = "numbers in a glTF file";
+        Err(MeshErrorKind::TooLarge { what, asked: self.spent, allowed: MAX_NUMBERS }.into())
+    }
+}
+
+/// An array of vectors with `width` components each, in range of its buffers.
+#[derive(Clone, Debug)]
+pub(super) struct Accessor {
+    /// Where the elements are; `None` where all are zero but the sparse ones.
+    elements: Option<Window>,
+    pub(super) count: usize,
+    component: ComponentType,
+    pub(super) width: usize,
+    normalized: bool,
+    sparse: Option<Sparse>,
+}
+
+/// Elements at `start + i · stride` of a buffer.
+#[derive(Clone, Debug)]
+struct Window {
+    buffer: usize,
+    start: usize,
+    stride: usize,
+}
+
+/// Elements that replace those of the array: which, and by what.
+#[derive(Clone, Debug)]
+struct Sparse {
+    count: usize,
+    indices: Window,
+    index_type: ComponentType,
+    values: Window,
+}
+
+impl Accessor {
+    /// Opens an accessor and checks that all of it lies inside its buffers.
+    pub(super) fn open(
+        document: &Document,
+        index: Index<Json>,
+        budget: &mut Budget,
+    ) -> Result<Self, Fault> {
+        let at = index.value();
+        let json = document.root.accessors.get(at);
+        let json = json.ok_or_else(|| bad(format!("accessor {at} does not exist")))?;
+        let (Checked::Valid(component), Checked::Valid(kind)) = (&json.component_type, &json.type_)
+        else {
+            return Err(bad(format!("accessor {at} has an unknown type")));
+        };
+        let component = component.0;
+        if matches!(kind, Type::Mat2 | Type::Mat3) {
+            return Err(bad(format!("accessor {at} holds matrices that no mesh has")));
+        }
+        let width = kind.multiplicity();
+        budget.spend(json.count.0.saturating_mul(width as u64))?;
+        let size = width * component.size();
+        let outside = || bad(format!("accessor {at} reaches outside its buffer"));
+        let count = usize::try_from(json.count.0).map_err(|_| outside())?;
+        let offset = json.byte_offset.unwrap_or_default().0;
+        let elements = match json.buffer_view {
+            Some(view) => {
+                Some(document.window(view.value(), offset, count, size).ok_or_else(outside)?)
+            }
+            None => None,
+        };
+        let sparse = match &json.sparse {
+            Some(sparse) => Some(document.sparse(sparse, count, size).ok_or_else(outside)?),
+            None => None,
+        };
+        Ok(Self { elements, count, component, width, normalized: json.normalized, sparse })
+    }
+
+    /// Opens an accessor that must have elements of `width` components.
+    pub(super) fn open_wide(
+        document: &Document,
+        index: Index<Json>,
+        width: usize,
+        budget: &mut Budget,
+    ) -> Result<Self, Fault> {
+        let accessor = Self::open(document, index, budget)?;
+        if accessor.width == width {
+            Ok(accessor)
+        } else {
+            Err(bad(format!("accessor {} should have {width} components", index.value())))
+        }
+    }
+
+    /// All elements one after the other, `count × width`; integers scaled where they are
+    /// normalised.
+    pub(super) fn read(&self, document: &Document) -> Vec<f32> {
+        let scale = match (self.normalized, self.component) {
+            (true, ComponentType::I8) => 127.0,
+            (true, ComponentType::U8) => 255.0,
+            (true, ComponentType::I16) => 32767.0,
+            (true, ComponentType::U16) => 65535.0,
+            _ => 1.0,
+        };
+        // Signed normalised integers reach one step below −1, which means −1.
+        let floor = if self.normalized { -1.0 } else { f64::NEG_INFINITY };
+        let value = |raw: f64| if scale == 1.0 { raw } else { (raw / scale).max(floor) };
+        self.raw(document, |raw| value(raw) as f32)
+    }
+
+    /// All elements as vectors of three.
+    pub(super) fn read_vectors(&self, document: &Document) -> Vec<[f32; 3]> {
+        let values = self.read(document);
+        values.chunks_exact(3).map(|vector| [vector[0], vector[1], vector[2]]).collect()
+    }
+
+    /// All components as the integers they are.
+    pub(super) fn read_integers(&self, document: &Document) -> Vec<u32> {
+        self.raw(document, |raw| raw as u32)
+    }
+
+    /// Whether the components are unsigned integers.
+    pub(super) fn is_unsigned(&self) -> bool {
+        matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
+    }
+
+    fn raw<T: Copy + Default>(&self, document: &Document, convert: impl Fn(f64) -> T) -> Vec<T> {
+        let width = self.width;
+        let mut values = vec![T::default(); self.count * width];
+        let step = self.component.size();
+        if let Some(window) = &self.elements {
+            let bytes = document.buffers[window.buffer].bytes();
+            for (at, element) in values.chunks_exact_mut(width).enumerate() {
+                let start = window.start + at * window.stride;
+                for (axis, value) in element.iter_mut().enumerate() {
+                    *value = convert(component(&bytes[start + axis * step..], self.component));
+                }
+            }
+        }
+        if let Some(sparse) = &self.sparse {
+            let indices = document.buffers[sparse.indices.buffer].bytes();
+            let bytes = document.buffers[sparse.values.buffer].bytes();
+            for at in 0..sparse.count {
+                let index = &indices[sparse.indices.start + at * sparse.indices.stride..];
+                let element = component(index, sparse.index_type) as usize;
+                let start = sparse.values.start + at * sparse.values.stride;
+                for axis in 0..width {
+                    let raw = component(&bytes[start + axis * step..], self.component);
+                    values[element * width + axis] = convert(raw);
+                }
+            }
+        }
+        values
+    }
+}
+
+impl Document {
+    /// Elements of `size` bytes in a buffer view; `None` where they do not lie inside it.
+    fn window(&self, view: usize, offset: u64, count: usize, size: usize) -> Option<Window> {
+        let view = self.root.buffer_views.get(view)?;
+        let buffer = view.buffer.value();
+        let bytes = self.buffers.get(buffer)?.bytes();
+        let view_start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
+        let view_end = view_start.checked_add(usize::try_from(view.byte_length.0).ok()?)?;
+        let start = view_start.checked_add(usize::try_from(offset).ok()?)?;
+        let stride = view.byte_stride.map_or(size, |stride| stride.0);
+        if stride < size {
+            return None;
+        }
+        let end = match count.checked_sub(1) {
+            Some(last) => start.checked_add(last.checked_mul(stride)?)?.checked_add(size)?,
+            None => start,
+        };
+        (end <= view_end && view_end <= bytes.len()).then_some(Window { buffer, start, stride })
+    }
+
+    /// Sparse elements whose indices are all below `count`.
+    fn sparse(
+        &self,
+        json: &gltf::json::accessor::sparse::Sparse,
+        count: usize,
+        size: usize,
+    ) -> Option<Sparse> {
+        let Checked::Valid(index_type) = json.indices.component_type else { return None };
+        let index_type = index_type.0;
+        let replaced = usize::try_from(json.count.0).ok()?;
+        let view = json.indices.buffer_view.value();
+        let indices = self.window(view, json.indices.byte_offset.0, replaced, index_type.size())?;
+        let view = json.values.buffer_view.value();
+        let values = self.window(view, json.values.byte_offset.0, replaced, size)?;
+        let bytes = self.buffers[indices.buffer].bytes();
+        let inside = (0..replaced).all(|at| {
+            let index = component(&bytes[indices.start + at * indices.stride..], index_type);
+            index < count as f64
+        });
+        inside.then_some(Sparse { count: replaced, indices, index_type, values })
+    }
+}
+
+/// The component at the start of `bytes`, which binary64 holds exactly whatever its type.
+fn component(bytes: &[u8], kind: ComponentType) -> f64 {
+    match kind {
+        ComponentType::I8 => f64::from(bytes[0] as i8),
+        ComponentType::U8 => f64::from(bytes[0]),
+        ComponentType::I16 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
+        ComponentType::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        ComponentType::U32 => f64::from(u32::from_le_bytes(four(bytes))),
+        ComponentType::F32 => f64::from(f32::from_le_bytes(four(bytes))),
+    }
+}
+
+fn four(bytes: &[u8]) -> [u8; 4] {
+    [bytes[0], bytes[1], bytes[2], bytes[3]]
+}

@@ -1,0 +1,33 @@
+//! glTF 2.0: meshes, skins, morph targets and animations in; meshes and their sequences out.
+//!
+//! The JSON is the gltf crate's; its accessor readers and its validation are not used, because
+//! on broken files they panic (`docs/notes/reading-scans.md`): every index and range is checked
+//! here.
+
+mod accessor;
+mod animation;
+mod container;
+mod nodes;
+mod pose;
+mod scene;
+mod write;
+
+pub(super) use scene::Scene;
+pub use write::GlbWriter;
+
+use super::read::Parsed;
+use super::{Fault, Place};
+use std::path::Path;
+
+/// Reads the default scene of a GLB or glTF file at rest. `folder` is where its buffers lie.
+pub(super) fn read_rest_pose(bytes: Vec<u8>, folder: &Path) -> Result<Parsed, Fault> {
+    let scene = Scene::load(bytes, folder)?;
+    let mut parsed = scene.at_rest();
+    parsed.notes.ignore("animations", scene.animation_count() as u64);
+    Ok(parsed)
+}
+
+/// Content that breaks the rules of glTF.
+fn bad(what: impl std::fmt::Display) -> Fault {
+    Place::File.malformed(format!("glTF: {what}"))
+}
