@@ -6,6 +6,8 @@
 
 mod grid;
 mod mesh;
+#[cfg(feature = "performer")]
+pub mod performer;
 
 pub use grid::{Grid, GridError};
 pub use mesh::{BoundingBox, GridMesh, Mesh};
