@@ -36,7 +36,8 @@ impl FitTarget {
         let mut normals = Vec::new();
         vertex_normals(positions, faces, &mut normals);
         Ok(Self {
-            tree: TriangleTree::new(positions, faces),
+            tree: TriangleTree::new(positions, faces)
+                .map_err(|source| FitError::Tree { mesh: Side::Target, source })?,
             normals,
             boundary: boundary_vertices(positions.len(), &edges(faces)),
             sample: Sample::spread(positions, &areas, SAMPLES),

@@ -11,6 +11,8 @@ mod grid;
 pub mod io;
 mod mesh;
 pub mod parts;
+#[cfg(feature = "performer")]
+pub mod performer;
 
 pub use clean::{CleanReport, Cleaned, clean};
 pub use grid::{Grid, GridError};

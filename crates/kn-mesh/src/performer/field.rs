@@ -1,0 +1,228 @@
+//! The figure of one frame as one signed field over space, and what can be asked of it: value,
+//! gradient, body part, and a body region alone.
+
+use super::cloth::{SKIRT_HEM, SKIRT_TOP, Skirt};
+use super::figure::{Figure, Group, Primitive, TORSO};
+use super::random::fade;
+use super::shape::{LIPSCHITZ, Shape};
+use super::skeleton::{ARM, CHEST, LEG, PELVIS, Pose};
+use glam::DVec3;
+
+/// Blends reach at most this far: a solid farther from a point than the field's value plus this
+/// does not change the value.
+const BLEND_REACH: f64 = 0.16;
+/// Edge radius where groups merely touch: scanners round what they see, at about this radius.
+const TOUCH: f64 = 0.006;
+
+/// The smaller of two distances, rounded over `blend` (quadratic polynomial).
+pub(super) fn smooth_min(a: f64, b: f64, blend: f64) -> f64 {
+    let near = (blend - (a - b).abs()).max(0.0);
+    if near <= 0.0 { a.min(b) } else { a.min(b) - near * near / (4.0 * blend) }
+}
+
+pub(super) fn smooth_max(a: f64, b: f64, blend: f64) -> f64 {
+    -smooth_min(-a, -b, blend)
+}
+
+/// The figure in one pose.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub(super) primitives: Vec<Primitive>,
+    pub(super) groups: Vec<Group>,
+    pub(super) pose: Pose,
+    pub(super) skirt: Skirt,
+    /// Wrinkles of moving cloth wander, and deepen where a joint bends: one strength a primitive.
+    strength: Vec<f64>,
+    drift: DVec3,
+}
+
+/// Indices of the primitives that matter near a place, rising.
+pub(super) type Candidates = [u16];
+
+impl Scene {
+    pub(super) fn new(figure: &Figure, pose: Pose, skirt: Skirt) -> Self {
+        let mut primitives = figure.primitives.clone();
+        for primitive in &mut primitives {
+            breathe(primitive, pose.breath, skirt.time);
+        }
+        let strength = primitives.iter().map(|p| fold_strength(p, &pose)).collect();
+        let drift = DVec3::new(0.31, 0.17, 0.23) * skirt.time;
+        Self { primitives, groups: figure.groups.clone(), pose, skirt, strength, drift }
+    }
+
+    pub(super) fn all(&self) -> Vec<u16> {
+        (0..self.primitives.len() as u16).collect()
+    }
+
+    /// From the world to the frame in which a primitive is described.
+    pub(super) fn pull(&self, index: usize, at: DVec3) -> DVec3 {
+        let primitive = &self.primitives[index];
+        let local = self.pose.bones[primitive.bone].pull(at);
+        if primitive.hangs { self.skirt.unwarp(local) } else { local }
+    }
+
+    /// The inverse of [`Self::pull`].
+    pub(super) fn push(&self, index: usize, at: DVec3) -> DVec3 {
+        let primitive = &self.primitives[index];
+        let local = if primitive.hangs { self.skirt.warp(at) } else { at };
+        self.pose.bones[primitive.bone].apply(local)
+    }
+
+    pub(super) fn distance(&self, index: usize, at: DVec3) -> f64 {
+        let primitive = &self.primitives[index];
+        let local = self.pull(index, at);
+        let plain = primitive.shape.distance(local);
+        match &primitive.wrinkles {
+            None => plain,
+            Some(w) => plain - w.height(local, plain, self.drift, self.strength[index]),
+        }
+    }
+
+    /// The field at `at`, from the given primitives only.
+    pub(super) fn value(&self, at: DVec3, candidates: &Candidates) -> f64 {
+        let mut whole = f64::INFINITY;
+        let mut left = candidates;
+        for (index, group) in self.groups.iter().enumerate() {
+            let count = left.partition_point(|&c| usize::from(c) < group.members.end);
+            let (members, rest) = left.split_at(count);
+            left = rest;
+            if !members.is_empty() {
+                let blend = if index == TORSO { 0.0 } else { self.joining(group, at) };
+                whole = smooth_min(whole, self.group_value(at, members), blend);
+            }
+        }
+        whole
+    }
+
+    fn group_value(&self, at: DVec3, members: &Candidates) -> f64 {
+        let mut value = f64::INFINITY;
+        for &member in members {
+            let primitive = &self.primitives[usize::from(member)];
+            let distance = self.distance(usize::from(member), at);
+            value = if primitive.carves {
+                smooth_max(value, -distance, primitive.blend)
+            } else {
+                smooth_min(value, distance, primitive.blend)
+            };
+        }
+        value
+    }
+
+    /// Blend radius between a group and the torso: wide at their joint, a touch elsewhere.
+    fn joining(&self, group: &Group, at: DVec3) -> f64 {
+        let away = (at - self.pose.bones[group.joint].origin).length();
+        TOUCH + (group.blend - TOUCH).max(0.0) * (1.0 - fade((away - 0.07) / 0.10))
+    }
+
+    /// Those of `candidates` that can change the field within `radius` of `centre`, and the
+    /// field's value there.
+    pub(super) fn nearby(
+        &self,
+        centre: DVec3,
+        radius: f64,
+        candidates: &Candidates,
+    ) -> (Vec<u16>, f64) {
+        let value = self.value(centre, candidates);
+        let limit = value.abs() + BLEND_REACH + 2.0 * LIPSCHITZ * radius;
+        let near = |&c: &u16| {
+            self.primitives[usize::from(c)].shape.distance(self.pull(usize::from(c), centre))
+                < limit
+        };
+        (candidates.iter().copied().filter(near).collect(), value)
+    }
+
+    /// One body region alone: a limb (or the head) with the torso around its joint only, or the
+    /// torso with the roots of the limbs. What merely touches it is left out, so that a hidden
+    /// point of a limb stays on the limb.
+    pub(super) fn region_value(&self, at: DVec3, region: usize) -> f64 {
+        let mut whole = f64::INFINITY;
+        for (index, group) in self.groups.iter().enumerate() {
+            let fading = self.fading(region, index, at);
+            if fading < 0.5 {
+                let joined = &self.groups[region.max(index)];
+                let blend = if index == region { 0.0 } else { self.joining(joined, at) };
+                let members: Vec<u16> = group.members.clone().map(|i| i as u16).collect();
+                whole = smooth_min(whole, self.group_value(at, &members) + fading, blend);
+            }
+        }
+        whole
+    }
+
+    /// What is added to the distance of group `index` when `region` is looked at alone: nothing
+    /// for the region itself, more and more away from the joint for a neighbour, and 0.5 m or
+    /// more for what is to be left out.
+    pub(super) fn fading(&self, region: usize, index: usize, at: DVec3) -> f64 {
+        let joined = &self.groups[region.max(index)];
+        if index == region {
+            return 0.0;
+        }
+        if region.min(index) != TORSO || joined.blend <= 0.0 {
+            return 0.5;
+        }
+        let away = (at - self.pose.bones[joined.joint].origin).length();
+        0.5 * fade((away - 0.10) / 0.12)
+    }
+
+    /// The body part of the solid nearest to `at`.
+    pub(super) fn label(&self, at: DVec3, candidates: &Candidates) -> u8 {
+        let mut best = (f64::INFINITY, 0);
+        for &candidate in candidates {
+            let primitive = &self.primitives[usize::from(candidate)];
+            if !primitive.carves {
+                let distance = self.distance(usize::from(candidate), at);
+                if distance < best.0 {
+                    best = (distance, primitive.label);
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// Value (of second order) and gradient by differences at the corners of a small tetrahedron.
+pub(super) fn value_and_gradient(at: DVec3, field: impl Fn(DVec3) -> f64) -> (f64, DVec3) {
+    const STEP: f64 = 2e-4;
+    const CORNERS: [DVec3; 4] = [
+        DVec3::new(1.0, -1.0, -1.0),
+        DVec3::new(-1.0, -1.0, 1.0),
+        DVec3::new(-1.0, 1.0, -1.0),
+        DVec3::new(1.0, 1.0, 1.0),
+    ];
+    let (mut sum, mut gradient) = (0.0, DVec3::ZERO);
+    for corner in CORNERS {
+        let value = field(at + corner * STEP);
+        sum += value;
+        gradient += corner * value;
+    }
+    (sum / 4.0, gradient / (4.0 * STEP))
+}
+
+/// What changes in a solid's shape from frame to frame.
+fn breathe(primitive: &mut Primitive, breath: f64, time: f64) {
+    let Shape::Loft(loft) = &mut primitive.shape else { return };
+    if primitive.bone == CHEST {
+        for station in &mut loft.stations {
+            // Deepest at the breastbone, none at neck and waist.
+            let share = (station.y * (0.4 - station.y)).max(0.0) / 0.04;
+            station.rz += 0.004 * breath * share;
+            station.rx += 0.002 * breath * share;
+        }
+    }
+    if let Some(pleats) = &mut loft.pleats {
+        for (i, wave) in pleats.waves.iter_mut().enumerate() {
+            wave.2 += 0.7 * libm::sin((0.6 + 0.23 * i as f64) * time);
+        }
+    }
+}
+
+fn fold_strength(primitive: &Primitive, pose: &Pose) -> f64 {
+    for side in 0..2 {
+        if (ARM[side]..ARM[side] + 2).contains(&primitive.bone) {
+            return 0.8 + 0.3 * pose.elbows[side];
+        }
+        if (LEG[side]..LEG[side] + 2).contains(&primitive.bone) {
+            return 0.8 + 0.4 * pose.knees[side];
+        }
+    }
+    if primitive.bone == PELVIS { 1.0 + 0.2 * (SKIRT_TOP - SKIRT_HEM) } else { 1.0 }
+}

@@ -1,0 +1,161 @@
+//! The field sampled on a lattice that lies differently in every frame, only where the surface
+//! can be: an octree drops every block whose centre is farther from the surface than the block is
+//! large.
+
+use super::field::Scene;
+use super::random::Random;
+use super::rigid::{Rigid, rotation_x, rotation_y};
+use super::shape::LIPSCHITZ;
+use super::skeleton::PELVIS;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// Lattice points along the side of a leaf block, and in all of it.
+pub(super) const SIDE: i32 = 4;
+pub(super) const LEAF: usize = (SIDE * SIDE * SIDE) as usize;
+/// A leaf that does not exist.
+pub(super) const NONE: u32 = u32::MAX;
+/// Radius around the pelvis that holds the figure in any pose, metres.
+const REACH: f64 = 1.35;
+/// Cells by which blocks are grown before they are tested, so that all lattice points around a
+/// cell with a surface exist even after [`super::compose`] has moved it by a cell.
+const MARGIN: f64 = 2.0;
+
+/// A block of [`LEAF`] lattice points.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    /// Position among blocks: its first lattice point is `SIDE · key`.
+    pub(super) key: [i32; 3],
+    /// Primitives that matter here.
+    pub(super) candidates: Vec<u16>,
+    /// Field at the block's lattice points, x fastest.
+    pub(super) values: Vec<f64>,
+    /// The 27 leaves around and including this, x fastest; [`NONE`] where the field has no zero.
+    pub(super) around: [u32; 27],
+}
+
+/// The sampled part of space.
+#[derive(Debug)]
+pub(super) struct Lattice {
+    /// Lattice axes and the place of lattice point (0, 0, 0).
+    pub(super) frame: Rigid,
+    /// Metres between lattice points.
+    pub(super) step: f64,
+    pub(super) leaves: Vec<Leaf>,
+}
+
+/// A block of the octree: its position among blocks of its size, and what matters in it.
+type Block = ([i32; 3], Vec<u16>);
+
+impl Lattice {
+    /// Samples `scene` at a spacing of `step` metres, the lattice turned and shifted by `random`.
+    pub(super) fn sample(scene: &Scene, step: f64, random: Random) -> Self {
+        let turn = |i| TAU * random.unit(i);
+        let rotation = rotation_y(turn(0)) * rotation_x(turn(1)) * rotation_y(turn(2));
+        let origin = scene.pose.bones[PELVIS].origin + step * random.vector(3);
+        let mut lattice = Self { frame: Rigid { rotation, origin }, step, leaves: Vec::new() };
+        let mut size = SIDE;
+        while f64::from(size) * step < REACH {
+            size *= 2;
+        }
+        let mut blocks: Vec<Block> = (0..8).map(|i| (octant([-1; 3], i), scene.all())).collect();
+        while size > SIDE {
+            blocks.retain(|(key, all)| lattice.keep(scene, *key, size, all).is_some());
+            size /= 2;
+            blocks = blocks
+                .par_iter()
+                .flat_map_iter(|(key, all)| lattice.split(scene, *key, size, all))
+                .collect();
+        }
+        lattice.leaves = blocks.into_par_iter().map(|b| lattice.leaf(scene, b)).collect();
+        lattice.connect();
+        lattice
+    }
+
+    /// World position of a lattice point.
+    pub(super) fn point(&self, at: [i32; 3]) -> DVec3 {
+        let [x, y, z] = at.map(|c| f64::from(c) * self.step);
+        self.frame.apply(DVec3::new(x, y, z))
+    }
+
+    fn split(&self, scene: &Scene, key: [i32; 3], size: i32, all: &[u16]) -> Vec<Block> {
+        let first = key.map(|k| 2 * k);
+        let child = |i| {
+            let key = octant(first, i);
+            self.keep(scene, key, size, all).map(|near| (key, near))
+        };
+        (0..8).filter_map(child).collect()
+    }
+
+    /// The primitives that matter in a block, or `None` where it has no part of the surface.
+    fn keep(&self, scene: &Scene, key: [i32; 3], size: i32, all: &[u16]) -> Option<Vec<u16>> {
+        let half = f64::from(size) / 2.0;
+        let middle = key.map(|k| (f64::from(k * size) + half - 0.5) * self.step);
+        let centre = self.frame.apply(DVec3::from(middle));
+        let radius = 3.0_f64.sqrt() * (half + MARGIN) * self.step;
+        let (near, value) = scene.nearby(centre, radius, all);
+        (value.abs() <= LIPSCHITZ * radius).then_some(near)
+    }
+
+    fn leaf(&self, scene: &Scene, (key, candidates): Block) -> Leaf {
+        let first = key.map(|k| k * SIDE);
+        let value = |i: usize| {
+            let at = local(i);
+            scene.value(self.point([0, 1, 2].map(|a| first[a] + at[a])), &candidates)
+        };
+        let values = (0..LEAF).map(value).collect();
+        Leaf { key, candidates, values, around: [NONE; 27] }
+    }
+
+    fn connect(&mut self) {
+        let index: HashMap<[i32; 3], u32> =
+            self.leaves.iter().enumerate().map(|(i, leaf)| (leaf.key, i as u32)).collect();
+        self.leaves.par_iter_mut().for_each(|leaf| {
+            for (i, slot) in leaf.around.iter_mut().enumerate() {
+                let i = i as i32;
+                let [x, y, z] = leaf.key;
+                let key = [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
+                *slot = index.get(&key).copied().unwrap_or(NONE);
+            }
+        });
+    }
+
+    /// Leaf and place in it of the lattice point at `at` relative to leaf `leaf`, each coordinate
+    /// between −SIDE and 2·SIDE; `None` where nothing was sampled.
+    pub(super) fn find(&self, leaf: usize, at: [i32; 3]) -> Option<(usize, usize)> {
+        let block = at.map(|c| (c + SIDE) / SIDE);
+        let inside = at.map(|c| (c + SIDE) % SIDE);
+        let slot = self.leaves[leaf].around[(block[0] + 3 * block[1] + 9 * block[2]) as usize];
+        let place = inside[0] + SIDE * (inside[1] + SIDE * inside[2]);
+        (slot != NONE).then_some((slot as usize, place as usize))
+    }
+
+    /// Field at the eight corners of the cell whose lowest corner is `at` (as in [`Self::find`]),
+    /// x fastest; `None` where one of them was not sampled.
+    pub(super) fn corners(&self, leaf: usize, at: [i32; 3]) -> Option<[f64; 8]> {
+        let mut values = [0.0; 8];
+        for (i, value) in values.iter_mut().enumerate() {
+            let (leaf, place) = self.find(leaf, octant(at, i as i32))?;
+            *value = self.leaves[leaf].values[place];
+        }
+        Some(values)
+    }
+}
+
+/// Coordinates within a leaf of its place `i`.
+pub(super) fn local(i: usize) -> [i32; 3] {
+    let i = i as i32;
+    [i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)]
+}
+
+/// Corner `i` of the unit cube at `at`, x fastest.
+pub(super) fn octant(at: [i32; 3], i: i32) -> [i32; 3] {
+    [at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2 & 1)]
+}
+
+/// Bit i is set where corner i is inside.
+pub(super) fn mask(values: &[f64; 8]) -> u8 {
+    values.iter().enumerate().fold(0, |mask, (i, v)| mask | u8::from(*v < 0.0) << i)
+}
