@@ -23,7 +23,6 @@ pub struct Fitter {
     factor: BlockCholesky,
     observations: Observations,
     deformed: Deformed,
-    hints: crate::matching::Hints,
     matrices: Vec<Affine>,
     previous: Option<Vec<NodeTransform>>,
 }
@@ -41,7 +40,6 @@ impl Fitter {
             factor: BlockCholesky::default(),
             observations: Observations::default(),
             deformed: Deformed::default(),
-            hints: Default::default(),
             matrices: Vec::new(),
             previous: None,
         })
@@ -71,26 +69,24 @@ impl Fitter {
         let trace = std::env::var("KN_TRACE").is_ok();
         let env = |name: &str, default: f64| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
         let mut alpha = env("A0", 3.0);
-        let alpha_end = env("A1", 0.02);
+        let alpha_end = env("A1", options.regularisation);
         let relax = env("RELAX", 0.4);
         let tangential = env("TAU", options.tangential);
-        let cosine = env("COS", 0.2);
+        let cosine = env("COS", 0.5);
         let back = env("BACK", 1.0);
         let iters = env("ITERS", 8.0) as u64;
         let mut full = 0;
         self.update(source, &transforms);
-        self.hints.reset(source.positions.len(), target.sample.vertices.len());
         let mut last = f64::INFINITY;
         loop {
             let t0 = std::time::Instant::now();
-            let pairs = if (report.steps as f64) < env("NC", 5.0) { crate::matching::correspond_coarsely(&self.group, source, &self.deformed, target, env("NS", 1.5) * self.group.spacing) } else { correspond(&self.group, source, &self.deformed, target, full > 0, cosine, &mut self.hints)
-                .map_err(|source| FitError::Tree { mesh: crate::Side::Source, source })? };
+            let pairs = correspond(&self.group, source, &self.deformed, target, full > 0, cosine);
             let t1 = std::time::Instant::now();
             let sample = if full > 0 { &self.group.all } else { &self.group.sample };
-            let floor = env("WF", 1.0) * self.group.spacing; let wm = env("WM", 2.0);
+            let floor = 0.05 * edge;
             let (wf, wb) = (
-                (wm * quantile(&pairs.forward, 0.95)).max(floor),
-                (wm * quantile(&pairs.backward, 0.95)).max(floor),
+                (2.0 * quantile(&pairs.forward, 0.95)).max(floor),
+                (2.0 * quantile(&pairs.backward, 0.95)).max(floor),
             );
             self.observations.clear();
             push_matches(source, sample, &pairs.forward, wf, tangential, &mut self.observations);
@@ -104,7 +100,7 @@ impl Fitter {
                 pattern: &self.group.pattern,
                 form: &self.form,
                 combinations: &combinations,
-                orthogonality: env("ORTH", options.orthogonality) * self.group.spacing * self.group.spacing / source.nodes.len() as f64,
+                orthogonality: options.orthogonality * self.group.spacing * self.group.spacing / source.nodes.len() as f64,
             };
             energy.precondition(&self.group.elimination, &transforms, &mut self.factor);
             let t4 = std::time::Instant::now();
@@ -125,9 +121,9 @@ impl Fitter {
             if full > 0 {
                 full += 1;
                 if full > 2 { break; }
-            } else if alpha <= alpha_end && (moved < env("MV", 0.05) * edge || report.steps >= options.max_steps) {
+            } else if alpha <= alpha_end && (moved < 0.05 * edge || report.steps >= options.max_steps) {
                 full = 1;
-            } else if now > env("STALL", 0.8) * last || moved < env("MV", 0.05) * edge {
+            } else if now > env("STALL", 0.8) * last || moved < 0.05 * edge {
                 alpha = (alpha * relax).max(alpha_end);
             }
             if report.steps >= options.max_steps && full == 0 { full = 1; }

@@ -37,7 +37,7 @@ impl FitTarget {
         vertex_normals(positions, faces, &mut normals);
         Ok(Self {
             tree: TriangleTree::new(positions, faces)
-                .map_err(|source| FitError::Tree { mesh: Side::Target, source })?,
+                .map_err(|_| FitError::NoSurface { mesh: Side::Target })?,
             normals,
             boundary: boundary_vertices(positions.len(), &edges(faces)),
             sample: Sample::spread(positions, &areas, SAMPLES),
