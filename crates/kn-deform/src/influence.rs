@@ -105,10 +105,17 @@ pub fn bind(
         .enumerate()
         .for_each(|(chunk, (nodes, weights))| {
             let slots = nodes.chunks_exact_mut(q).zip(weights.chunks_exact_mut(q));
+            let mut found = Nearest::default();
+            let mut found_in = None;
             for (offset, (nodes, weights)) in slots.enumerate() {
                 let vertex = chunk * CHUNK + offset;
-                let list = candidates.of_region(vertex_regions[vertex]);
-                bind_vertex(positions[vertex], list, options.weights, nodes, weights);
+                let region = vertex_regions[vertex];
+                let list = candidates.of_region(region);
+                // Neighbours in the order of vertices are near each other, and so are their nodes.
+                let bound = if found_in == Some(region) { Some(&found) } else { None };
+                found = nearest(positions[vertex].map(f64::from), list, q + 1, bound);
+                found_in = Some(region);
+                fill_slots(&found, list, options.weights, nodes, weights);
             }
         });
     Ok(())
@@ -122,17 +129,43 @@ struct Candidates {
     all: NodeList,
 }
 
-/// Node positions as coordinate arrays, so that distances are computed in lanes.
+/// Distances are computed for so many nodes at once.
+const LANES: usize = 8;
+
+/// Nodes by rising index, their coordinates in lanes. What fills the last lanes is infinitely far.
 #[derive(Clone, Default)]
 struct NodeList {
     index: Vec<u16>,
-    coordinates: Vec<[f64; 3]>,
+    blocks: Vec<[[f64; LANES]; 3]>,
 }
 
 impl NodeList {
     fn push(&mut self, index: usize, node: [i32; 3]) {
+        let lane = self.index.len() % LANES;
+        if lane == 0 {
+            self.blocks.push([[f64::INFINITY; LANES]; 3]);
+        }
         self.index.push(index as u16);
-        self.coordinates.push(node.map(f64::from));
+        if let Some(block) = self.blocks.last_mut() {
+            for axis in 0..3 {
+                block[axis][lane] = f64::from(node[axis]);
+            }
+        }
+    }
+
+    /// Squared distances of a block's nodes. Differences are integers below 2^21, so squares and
+    /// their sum are exact in binary64.
+    #[inline(always)]
+    fn squared(block: &[[f64; LANES]; 3], position: [f64; 3]) -> [f64; LANES] {
+        std::array::from_fn(|lane| {
+            let d = [0, 1, 2].map(|axis| block[axis][lane] - position[axis]);
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        })
+    }
+
+    fn squared_of(&self, place: u16, position: [f64; 3]) -> f64 {
+        let place = usize::from(place);
+        Self::squared(&self.blocks[place / LANES], position)[place % LANES]
     }
 }
 
@@ -167,59 +200,73 @@ impl Candidates {
 }
 
 /// The nearest candidates of one vertex, by rising squared distance, then by rising index.
+#[derive(Default)]
 struct Nearest {
     squared: [f64; MAX_Q + 1],
-    index: [u16; MAX_Q + 1],
+    /// Places in the list of candidates.
+    place: [u16; MAX_Q + 1],
     count: usize,
 }
 
-/// The `wanted` nearest nodes of `list`. Coordinates are integers below 2^21 in difference, so
-/// squares and their sum are exact in binary64.
-fn nearest(position: [f64; 3], list: &NodeList, wanted: usize) -> Nearest {
-    let mut found =
-        Nearest { squared: [f64::INFINITY; MAX_Q + 1], index: [0; MAX_Q + 1], count: 0 };
-    let mut worst = f64::INFINITY;
-    for (node, &index) in list.coordinates.iter().zip(&list.index) {
-        let d = [node[0] - position[0], node[1] - position[1], node[2] - position[2]];
-        let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        // Candidates come by rising index, so an equal distance never displaces an earlier one.
-        if squared < worst {
-            insert(&mut found, wanted, squared, index);
-            worst = found.squared[wanted - 1];
+/// The `wanted` nearest nodes of `list`. `hint` is what another vertex found there: its nodes
+/// bound the distance, whichever they are, so it changes the time and not the result.
+fn nearest(position: [f64; 3], list: &NodeList, wanted: usize, hint: Option<&Nearest>) -> Nearest {
+    let mut found = Nearest::default();
+    let mut limit = f64::INFINITY;
+    if let Some(hint) = hint.filter(|hint| hint.count == wanted) {
+        let places = hint.place[..wanted].iter();
+        let farthest = places.map(|&p| list.squared_of(p, position)).fold(0.0, f64::max);
+        // Squared distances are integers: below the next one is the same as not above this one.
+        limit = farthest + 1.0;
+    }
+    for (number, block) in list.blocks.iter().enumerate() {
+        let squared = NodeList::squared(block, position);
+        if !squared.iter().fold(false, |any, &squared| any | (squared < limit)) {
+            continue;
+        }
+        for lane in 0..LANES {
+            // Candidates come by rising index, so an equal distance never displaces an earlier one.
+            if squared[lane] < limit {
+                found.insert(wanted, squared[lane], (number * LANES + lane) as u16);
+                if found.count == wanted {
+                    limit = found.squared[wanted - 1];
+                }
+            }
         }
     }
     found
 }
 
-/// Inserts behind all entries that are not farther.
-fn insert(found: &mut Nearest, wanted: usize, squared: f64, index: u16) {
-    let mut slot = found.count.min(wanted - 1);
-    while slot > 0 && found.squared[slot - 1] > squared {
-        found.squared[slot] = found.squared[slot - 1];
-        found.index[slot] = found.index[slot - 1];
-        slot -= 1;
+impl Nearest {
+    /// Inserts behind all entries that are not farther.
+    fn insert(&mut self, wanted: usize, squared: f64, place: u16) {
+        let mut slot = self.count.min(wanted - 1);
+        while slot > 0 && self.squared[slot - 1] > squared {
+            self.squared[slot] = self.squared[slot - 1];
+            self.place[slot] = self.place[slot - 1];
+            slot -= 1;
+        }
+        self.squared[slot] = squared;
+        self.place[slot] = place;
+        self.count = (self.count + 1).min(wanted);
     }
-    found.squared[slot] = squared;
-    found.index[slot] = index;
-    found.count = (found.count + 1).min(wanted);
 }
 
 /// Fills the Q slots of one vertex; where nodes are short the nearest is replicated in front
 /// (bi-modal paper, manual segmentation; `deform.influence.replication`).
-fn bind_vertex(
-    position: [i32; 3],
+fn fill_slots(
+    found: &Nearest,
     list: &NodeList,
     scheme: WeightScheme,
     nodes: &mut [u16],
     weights: &mut [f64],
 ) {
     let q = nodes.len();
-    let found = nearest(position.map(f64::from), list, q + 1);
     let used = found.count.min(q);
     let mut squared = [0.0; MAX_Q];
     for slot in 0..q {
         let rank = slot.saturating_sub(q - used);
-        nodes[slot] = found.index[rank];
+        nodes[slot] = list.index[usize::from(found.place[rank])];
         squared[slot] = found.squared[rank];
     }
     let next_squared = (found.count > q).then(|| found.squared[q]);
@@ -275,5 +322,42 @@ mod tests {
         let mut influence = Influence::default();
         let result = bind(&[[0; 3]], &[0], &[], &[], &OPTIONS, &mut influence);
         assert_eq!(result, Err(BindError::NoNodes));
+    }
+
+    proptest::proptest! {
+        /// The literal reading of the rules: sort all candidates, take the first.
+        #[test]
+        fn ranks_are_those_of_a_full_sort(
+            vertices in proptest::collection::vec([-40..40_i32, -40..40, -40..40], 1..40),
+            nodes in proptest::collection::vec(([-40..40_i32, -40..40, -40..40], 0..3_u8), 1..40),
+            q in 1..=8_usize,
+        ) {
+            let (nodes, regions): (Vec<_>, Vec<_>) = nodes.into_iter().unzip();
+            let vertex_regions: Vec<u8> = (0..vertices.len()).map(|v| (v / 5 % 4) as u8).collect();
+            let options = BindOptions {
+                nodes_per_vertex: q,
+                mode: InfluenceMode::Fallback,
+                ..OPTIONS
+            };
+            let mut influence = Influence::default();
+            bind(&vertices, &vertex_regions, &nodes, &regions, &options, &mut influence).unwrap();
+            for (vertex, position) in vertices.iter().enumerate() {
+                let region = vertex_regions[vertex];
+                let own = regions.contains(&region);
+                let squared = |node: &[i32; 3]| -> i64 {
+                    (0..3).map(|k| i64::from(node[k] - position[k])).map(|d| d * d).sum()
+                };
+                let mut ranked: Vec<_> = (0..nodes.len())
+                    .filter(|&node| !own || regions[node] == region)
+                    .map(|node| (squared(&nodes[node]), node as u16))
+                    .collect();
+                ranked.sort_unstable();
+                ranked.truncate(q);
+                let replicas = vec![ranked[0].1; q - ranked.len()];
+                let expected: Vec<u16> =
+                    replicas.into_iter().chain(ranked.iter().map(|&(_, node)| node)).collect();
+                proptest::prop_assert_eq!(&influence.nodes[vertex * q..(vertex + 1) * q], expected);
+            }
+        }
     }
 }
