@@ -5,8 +5,8 @@
 
 use kn_mesh::Mesh;
 use kn_mesh::io::{
-    LabelSource, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh, write_mesh,
-    write_mesh_with_scalar,
+    LabelSource, MAX_FILE_BYTES, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh,
+    write_mesh, write_mesh_with_scalar,
 };
 use proptest::prelude::*;
 use std::path::PathBuf;
@@ -133,6 +133,16 @@ fn a_mesh_without_faces_is_read_on_request() {
 fn a_missing_file_is_named() {
     let error = read_mesh(&PathBuf::from("/nowhere/f_3.obj"), &ReadOptions::default());
     assert!(error.expect_err("absent").to_string().starts_with("/nowhere/f_3.obj: No such file"));
+}
+
+#[test]
+fn a_file_over_the_limit_is_refused_unread() {
+    let folder = folder();
+    let path = folder.path().join("a.obj");
+    let file = std::fs::File::create(&path).expect("writable");
+    file.set_len(MAX_FILE_BYTES + 1).expect("sparse");
+    let message = read_mesh(&path, &ReadOptions::default()).expect_err("too large").to_string();
+    assert!(message.ends_with("bytes in the file: 1073741825 is more than 1073741824"));
 }
 
 const ASCII_PLY: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n\
