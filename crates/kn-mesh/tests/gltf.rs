@@ -298,6 +298,8 @@ fn broken_scenes_are_named() {
     assert!(with("{\"mesh\": 0}", "{\"mesh\": 3}").contains("the mesh of node 0 does not exist"));
     assert!(with("{\"mesh\": 0}", "{\"children\": [0]}").contains("the nodes are no tree"));
     assert!(with("{\"mesh\": 0}", "{\"children\": [9]}").contains("node 9 does not exist"));
+    let twice = "\"scenes\": [{\"nodes\": [0, 0]}], \"nodes\"";
+    assert!(with("\"nodes\"", twice).contains("node 0 is no root of scene 0"));
     assert!(with("5126", "9999").contains("accessor 0 has an unknown type"));
     assert!(with("VEC3", "VEC2").contains("accessor 0 should have 3 components"));
     assert!(with("\"buffer\": 0", "\"buffer\": 5").contains("outside its buffer"));

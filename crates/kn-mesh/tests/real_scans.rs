@@ -2,6 +2,7 @@
 
 #![cfg(feature = "io")]
 
+use kn_mesh::CleanReport;
 use kn_mesh::io::{Inputs, LabelSource, ReadOptions, read_mesh};
 use std::path::{Path, PathBuf};
 
@@ -79,4 +80,40 @@ fn oracle_meshes_read_as_off() {
             text.split_whitespace().skip(1).take(2).filter_map(|word| word.parse().ok()).collect();
         assert_eq!([mesh.positions.len(), mesh.faces.len()], counts[..], "{}", path.display());
     }
+}
+
+/// tobj as a second reader: the same corners at the same places, face by face. What it does to
+/// the order of the vertices is why we do not read positions with it.
+#[test]
+fn tobj_sees_the_same_surface_in_another_order() {
+    let Some(folder) = data("punch_dirty") else { return };
+    let path = folder.join("frame_0000.obj");
+    let ours = read_mesh(&path, &ReadOptions::default()).expect("readable").mesh;
+    let (models, _) = tobj::load_obj(&path, &tobj::LoadOptions::default()).expect("readable");
+    let [model] = &models[..] else { panic!("one object, not {}", models.len()) };
+    let theirs: Vec<&[f32]> = model.mesh.positions.chunks_exact(3).collect();
+    let corners = ours.faces.iter().flatten().map(|&vertex| ours.positions[vertex as usize]);
+    for (ours, &theirs_at) in corners.zip(&model.mesh.indices) {
+        assert_eq!(theirs[theirs_at as usize], ours);
+    }
+    assert_eq!(model.mesh.indices.len(), 3 * ours.faces.len());
+    let moved = ours.positions.iter().zip(&theirs).filter(|(a, b)| a[..] != ***b).count();
+    assert!(moved > ours.positions.len() / 2, "{moved} vertices have another number");
+}
+
+#[test]
+fn cleaning_finds_what_the_captures_are_known_for() {
+    let Some(folder) = data("punch_dirty") else { return };
+    let mut sum = CleanReport::default();
+    let inputs = Inputs::find(&[folder], ReadOptions::default()).expect("found");
+    for frame in inputs.frames() {
+        let cleaned = kn_mesh::clean(&frame.expect("readable").mesh).expect("valid");
+        let report = cleaned.report;
+        assert!((40..=125).contains(&report.components), "{report}");
+        assert!((40..=329).contains(&report.boundary_edges), "{report}");
+        assert!(report.non_manifold_edges <= 54, "{report}");
+        assert!(!kn_mesh::clean(&cleaned.mesh).expect("valid").report.changed());
+        sum += report;
+    }
+    assert_eq!((sum.frames, sum.welded, sum.degenerate, sum.duplicate), (24, 5, 6, 15));
 }

@@ -5,8 +5,8 @@
 
 use kn_mesh::Mesh;
 use kn_mesh::io::{
-    LabelSource, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh, write_mesh,
-    write_mesh_with_scalar,
+    LabelSource, MAX_FILE_BYTES, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh,
+    write_mesh, write_mesh_with_scalar,
 };
 use proptest::prelude::*;
 use std::path::PathBuf;
@@ -135,6 +135,16 @@ fn a_missing_file_is_named() {
     assert!(error.expect_err("absent").to_string().starts_with("/nowhere/f_3.obj: No such file"));
 }
 
+#[test]
+fn a_file_over_the_limit_is_refused_unread() {
+    let folder = folder();
+    let path = folder.path().join("a.obj");
+    let file = std::fs::File::create(&path).expect("writable");
+    file.set_len(MAX_FILE_BYTES + 1).expect("sparse");
+    let message = read_mesh(&path, &ReadOptions::default()).expect_err("too large").to_string();
+    assert!(message.ends_with("bytes in the file: 1073741825 is more than 1073741824"));
+}
+
 const ASCII_PLY: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n\
     property double x\nproperty float y\nproperty float z\nproperty float nx\n\
     property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar label\n\
@@ -186,6 +196,7 @@ fn broken_ply_files_name_the_place_and_the_reason() {
     );
     let header_only = &ASCII_PLY[..ASCII_PLY.find("element face").expect("there")];
     assert!(message("a.ply", header_only).contains("the file ends early: in the PLY header"));
+    assert!(with("element edge", "element tristrips").contains("strips in PLY are not read"));
     assert!(message("a.ply", "obj").contains("PLY header: Expected magic number"));
 }
 
@@ -211,6 +222,26 @@ fn binary_ply_places_are_vertices_and_faces() {
     longer.extend([1, 2, 3]);
     let scan = read_with("a.ply", &longer, &ReadOptions::default()).expect("readable");
     assert_eq!(scan.notes.ignored["bytes after the last element"], 3);
+}
+
+/// ply-rs-bw as a second reader of what we write.
+#[test]
+fn another_reader_sees_what_was_written() {
+    use ply_rs_bw::{parser::Parser, ply::DefaultElement, ply::Property};
+    let folder = folder();
+    let path = folder.path().join("a.ply");
+    let mesh = sample();
+    write_mesh(&path, &mesh).expect("written");
+    let bytes = std::fs::read(&path).expect("there");
+    let ply = Parser::<DefaultElement>::new().read_ply(&mut &bytes[..]).expect("readable");
+    for (vertex, element) in ply.payload["vertex"].iter().enumerate() {
+        let [x, y, z] = mesh.positions[vertex].map(Property::Float);
+        assert_eq!([&element["x"], &element["y"], &element["z"]], [&x, &y, &z]);
+        assert_eq!(element["label"], Property::UChar(mesh.labels[vertex]));
+    }
+    for (face, element) in ply.payload["face"].iter().enumerate() {
+        assert_eq!(element["vertex_indices"].to_u32_list(), Some(mesh.faces[face].to_vec()));
+    }
 }
 
 #[test]

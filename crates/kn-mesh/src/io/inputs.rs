@@ -6,6 +6,7 @@ use super::sequence::{Kind, find_files, listed_files};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, MeshFormat};
 use super::{ReadNotes, ReadOptions, read_mesh};
 use crate::Mesh;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -144,6 +145,15 @@ impl Inputs {
         };
         let scan = scan.map_err(|error| error.in_frame(index))?;
         Ok(InputFrame { index, name, path: path.clone(), mesh: scan.mesh, notes: scan.notes })
+    }
+}
+
+impl fmt::Debug for Inputs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Inputs")
+            .field("frames", &self.len())
+            .field("options", &self.options)
+            .finish_non_exhaustive()
     }
 }
 

@@ -4,6 +4,18 @@
 //! lists what it does not carry in [`ReadNotes`]. [`Inputs`] is a sequence of frames: a folder,
 //! a glob, a printf pattern, a list of files or one animated glTF file. Writing goes through a
 //! temporary file, so that a file is there whole or not at all.
+//!
+//! ```no_run
+//! use kn_mesh::io::{Inputs, ReadOptions};
+//!
+//! let inputs = Inputs::find(&["scan/*.obj".into()], ReadOptions::default())?;
+//! for frame in inputs.frames() {
+//!     let frame = frame?;
+//!     let cleaned = kn_mesh::clean(&frame.mesh)?;
+//!     println!("{}: {} {}", frame.name, cleaned.report, frame.notes);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod atomic;
 mod error;

@@ -1,7 +1,7 @@
 //! Stanford PLY: header by ply-rs-bw, values read here.
 //!
-//! ply-rs-bw builds an element object per vertex and face and names no vertex in its errors;
-//! reading the values ourselves is many times faster (see `docs/notes/reading-scans.md`).
+//! ply-rs-bw's value reader loops over elements without properties, drops surplus values silently
+//! and names no vertex (see `docs/notes/reading-scans.md`).
 
 use super::ply_values::Values;
 use super::read::Parsed;
@@ -25,6 +25,10 @@ pub(super) fn read_ply(bytes: &[u8]) -> Result<Parsed, Fault> {
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut values, &mut parsed)?,
             "face" => read_faces(element, vertex_count(&header), &mut values, &mut parsed)?,
+            "tristrips" => {
+                let what = "triangle strips in PLY are not read, only faces";
+                return Err(MeshErrorKind::Unsupported(what.into()).into());
+            }
             _ => skip_element(element, &mut values, &mut parsed)?,
         }
     }

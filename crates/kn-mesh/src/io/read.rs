@@ -82,31 +82,25 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> 
 
 /// All bytes of a file that is neither empty nor too large.
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, MeshError> {
+    let failed = |error| MeshError::new(path, MeshErrorKind::Io(error));
+    let file = File::open(path).map_err(failed)?;
+    let mut size = file.metadata().map_err(failed)?.len();
     let mut bytes = Vec::new();
-    let read = || {
-        let file = File::open(path)?;
-        // A hint only: special files report 0, and a file may grow while it is read.
-        let size = file.metadata()?.len().min(MAX_FILE_BYTES);
+    if size <= MAX_FILE_BYTES {
         bytes.reserve_exact(size as usize + 1);
-        file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)
-    };
-    let size = read_result(path, read)?;
-    if size as u64 > MAX_FILE_BYTES {
-        let kind = MeshErrorKind::TooLarge {
-            what: "bytes in the file",
-            asked: size as u64,
-            allowed: MAX_FILE_BYTES,
-        };
+        // The size was a hint: devices report none, and a file may grow while it is read.
+        let read = file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes);
+        size = read.map_err(failed)? as u64;
+    }
+    if size > MAX_FILE_BYTES {
+        let what = "bytes in the file";
+        let kind = MeshErrorKind::TooLarge { what, asked: size, allowed: MAX_FILE_BYTES };
         return Err(MeshError::new(path, kind));
     }
     if size == 0 {
         return Err(MeshError::new(path, MeshErrorKind::Empty("the file is empty")));
     }
     Ok(bytes)
-}
-
-fn read_result<T>(path: &Path, read: impl FnOnce() -> std::io::Result<T>) -> Result<T, MeshError> {
-    read().map_err(|error| MeshError::new(path, error))
 }
 
 /// What a format's reader found: the mesh without labels, and what labels may come from.

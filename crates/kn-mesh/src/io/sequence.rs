@@ -77,8 +77,11 @@ fn list_folder(folder: &Path) -> Result<Vec<PathBuf>, MeshError> {
     let list = || {
         let mut files = Vec::new();
         for entry in fs::read_dir(folder)? {
-            let path = entry?.path();
-            if path.is_file() {
+            let entry = entry?;
+            // Hidden files are not meant, neither here nor by a glob: `._f.obj` is no scan.
+            let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+            let path = entry.path();
+            if !hidden && path.is_file() {
                 files.push(path);
             }
         }
@@ -98,7 +101,9 @@ fn matching_glob(spec: &Path) -> Result<Vec<PathBuf>, MeshError> {
         };
         return Err(MeshError::new(spec, kind));
     }
-    let paths = glob::glob(&pattern).map_err(|error| {
+    let like_a_shell =
+        glob::MatchOptions { require_literal_leading_dot: true, ..Default::default() };
+    let paths = glob::glob_with(&pattern, like_a_shell).map_err(|error| {
         MeshError::new(spec, MeshErrorKind::Malformed(format!("bad glob: {}", error.msg)))
     })?;
     let mut files = Vec::new();
@@ -282,11 +287,12 @@ mod tests {
 
     #[test]
     fn a_folder_is_its_meshes_in_natural_order() {
-        let names = ["f10.obj", "f9.obj", "f8.obj", "f8.labels", "notes.txt", "f.mtl"];
+        let names = ["f10.obj", "f9.obj", "f8.obj", "f8.labels", "notes.txt", "f.mtl", "._f8.obj"];
         assert_eq!(find(&names, "", Kind::Meshes).expect("found"), ["f8.obj", "f9.obj", "f10.obj"]);
         assert_eq!(find(&names, "", Kind::Labels).expect("found"), ["f8.labels"]);
         assert_eq!(find(&names, "f?.obj", Kind::Meshes).expect("found"), ["f8.obj", "f9.obj"]);
         assert_eq!(find(&names, "f8.*", Kind::Meshes).expect("found"), ["f8.obj"]);
+        assert_eq!(find(&names, "*8.obj", Kind::Meshes).expect("found"), ["f8.obj"]);
     }
 
     #[test]

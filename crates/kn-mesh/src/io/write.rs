@@ -5,7 +5,8 @@ use crate::Mesh;
 use std::path::Path;
 
 /// Writes a mesh in the format that the extension names: OBJ, PLY (binary little-endian, with
-/// the labels where there are any) or GLB. Coordinates read back to the same bits.
+/// the labels where there are any) or GLB. Coordinates read back to the same bits; OBJ and GLB
+/// carry no labels.
 ///
 /// # Errors
 /// The mesh is not valid ([`Mesh::check`]), the format is not written, or the file cannot be

@@ -9,11 +9,11 @@ use gltf::json::animation::{Animation as Json, Channel as JsonChannel, Interpola
 use gltf::json::validation::Checked;
 
 /// Most frames that one animation is sampled into.
-const MAX_FRAMES: f64 = 1_000_000.0;
+const MAX_FRAMES: f64 = 500_000.0;
 
-/// How far, in frames, a sample may lie before a key frame and still count as on it: times are
-/// binary32 in the file, so a key frame of frame 1 at 30 fps lies after 1/30.
-const ON_KEY_FRAME: f64 = 1e-3;
+/// How far, in frames, a sample may lie before a step and still count as on it: times are binary32
+/// in the file, so the key of frame 1 at 30 fps lies after 1/30. Enough for [`MAX_FRAMES`].
+const ON_KEY_FRAME: f64 = 0.05;
 
 /// The channels of one animation.
 #[derive(Debug)]
@@ -139,7 +139,9 @@ impl Channel {
     }
 
     /// The value at a time; before the first key frame the first, after the last the last.
+    /// Steps count as reached `tolerance` seconds earlier.
     fn at(&self, time: f64, tolerance: f64) -> Vec<f64> {
+        let tolerance = if self.interpolation == Interpolation::Step { tolerance } else { 0.0 };
         let after = self.times.partition_point(|&key| f64::from(key) <= time + tolerance);
         let before = after.saturating_sub(1);
         let last = self.times.len() - 1;
@@ -219,6 +221,7 @@ mod tests {
             assert_eq!(line.at(time, 1e-6), [mixed], "line at {time}");
         }
         assert_eq!(step.at(2.0 - 1e-7, 1e-6), [6.0], "a rounded key frame is met");
+        assert!(line.at(1.9, 0.2)[0] < 5.95, "lines do not jump");
     }
 
     #[test]

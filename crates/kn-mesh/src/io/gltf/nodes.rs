@@ -64,16 +64,14 @@ impl Nodes {
                 None => Ok(self.parents_first.clone()),
             };
         };
-        let mut roots = Vec::new();
-        for node in &scene.nodes {
+        let roots: Vec<usize> = scene.nodes.iter().map(|node| node.value()).collect();
+        let mut listed = vec![false; self.nodes.len()];
+        for &node in &roots {
             // A node listed twice, or below a listed one, would be drawn twice.
-            let node = node.value();
-            if self.nodes.get(node).is_none_or(|node| node.parent.is_some())
-                || roots.contains(&node)
-            {
+            let is_root = self.nodes.get(node).is_some_and(|node| node.parent.is_none());
+            if !is_root || std::mem::replace(&mut listed[node], true) {
                 return Err(bad(format!("node {node} is no root of scene {number}")));
             }
-            roots.push(node);
         }
         Ok(depth_first(root, &roots))
     }

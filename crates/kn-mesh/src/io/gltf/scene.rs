@@ -10,6 +10,8 @@ use glam::DMat4;
 use gltf::json::mesh::{Mesh as JsonMesh, Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 
 /// A loaded file, ready to be posed.
@@ -133,17 +135,15 @@ impl Loader<'_> {
         let mesh = root.meshes.get(mesh.value());
         let mesh = mesh.ok_or_else(|| bad(format!("the mesh of node {node} does not exist")))?;
         let first = parts.len();
-        let mut owners: Vec<(usize, &Primitive)> = Vec::new();
+        let mut owners = BTreeMap::new();
         for primitive in &mesh.primitives {
             let Some(faces) = self.load_faces(primitive)? else { continue };
             // Primitives that differ in material only use the same vertices.
-            let shared = owners.iter().find(|(_, owner)| same_vertices(owner, primitive));
-            let part = match shared {
-                Some(&(part, _)) => part,
-                None => {
-                    owners.push((parts.len(), primitive));
+            let part = match owners.entry(vertices_of(primitive)) {
+                Entry::Occupied(owner) => *owner.get(),
+                Entry::Vacant(owner) => {
                     parts.push(self.load_vertices(node, mesh, primitive)?);
-                    parts.len() - 1
+                    *owner.insert(parts.len() - 1)
                 }
             };
             parts[part].faces.extend(faces);
@@ -290,11 +290,11 @@ fn attribute(
     found.copied().ok_or_else(|| bad(format!("a primitive has no {}", name.to_string())))
 }
 
-fn same_vertices(a: &Primitive, b: &Primitive) -> bool {
-    let targets = |primitive: &Primitive| -> Vec<_> {
-        primitive.targets.iter().flatten().map(|target| target.positions).collect()
-    };
-    a.attributes == b.attributes && targets(a) == targets(b)
+/// The accessors that make up the vertices of a primitive.
+fn vertices_of(primitive: &Primitive) -> impl Ord {
+    let targets: Vec<_> =
+        primitive.targets.iter().flatten().map(|target| target.positions).collect();
+    (&primitive.attributes, targets)
 }
 
 fn check_faces(part: &Part) -> Result<(), Fault> {

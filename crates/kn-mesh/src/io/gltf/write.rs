@@ -28,7 +28,8 @@ const FLOAT: u32 = 5126;
 /// Frames go to a temporary file beside the output as they come, so that memory holds one mesh
 /// however long the sequence is; nothing is at the output's path before [`GlbWriter::finish`].
 /// The first frame of a run with the same faces is stored exactly, the others as differences
-/// rounded to binary32.
+/// rounded to binary32. Labels are not carried.
+#[derive(Debug)]
 pub struct GlbWriter {
     path: PathBuf,
     frame_rate: f64,
@@ -42,6 +43,7 @@ pub struct GlbWriter {
 }
 
 /// Frames with the same faces.
+#[derive(Debug)]
 struct Run {
     frames: std::ops::Range<usize>,
     positions: usize,
