@@ -2,7 +2,7 @@
 //! every lattice edge that it cuts (surface nets), each vertex then drawn onto the field's zero.
 
 use super::field::{Scene, value_and_gradient};
-use super::lattice::{LEAF, Lattice, NONE, local, mask, octant};
+use super::lattice::{LEAF, Lattice, NONE, SIDE, local, octant};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -61,22 +61,16 @@ pub(super) fn extract(scene: &Scene, lattice: &Lattice) -> Surface {
 }
 
 fn leaf_vertices(scene: &Scene, lattice: &Lattice, leaf: usize) -> Vec<(usize, DVec3, DVec3)> {
-    let mut vertices = Vec::new();
-    for cell in 0..LEAF {
-        let Some(values) = lattice.corners(leaf, local(cell)) else { continue };
-        if matches!(mask(&values), 0 | 255) {
-            continue;
-        }
-        let first = lattice.leaves[leaf].key.map(|k| k * super::lattice::SIDE);
+    let known = &lattice.leaves[leaf];
+    let vertex = |(cell, values): (usize, [f64; 8])| {
         let at = local(cell);
-        let corner = [0, 1, 2].map(|a| first[a] + at[a]);
-        let start =
-            lattice.point(corner) + lattice.frame.rotation * (crossing(&values) * lattice.step);
-        let (position, normal) =
-            drawn(scene, &lattice.leaves[leaf].candidates, start, lattice.step);
-        vertices.push((cell, position, normal));
-    }
-    vertices
+        let corner = [0, 1, 2].map(|a| known.key[a] * SIDE + at[a]);
+        let across = lattice.frame.rotation * (crossing(&values) * lattice.step);
+        let start = lattice.point(corner) + across;
+        let (position, normal) = drawn(scene, &known.candidates, start, lattice.step);
+        (cell, position, normal)
+    };
+    lattice.cut_cells(leaf).map(vertex).collect()
 }
 
 /// Mean of the points where the surface cuts the cell's edges, in cell units.
@@ -104,7 +98,9 @@ fn drawn(scene: &Scene, candidates: &[u16], start: DVec3, step: f64) -> (DVec3, 
 
 fn leaf_faces(lattice: &Lattice, cells: &Cells, positions: &[DVec3], leaf: usize) -> Vec<[u32; 3]> {
     let mut faces = Vec::new();
-    for place in 0..LEAF {
+    // An edge is cut only where a cell of this leaf is: the edge's lower end is the cell's corner.
+    let places = if lattice.is_cut(leaf) { 0..LEAF } else { 0..0 };
+    for place in places {
         let inside = lattice.leaves[leaf].values[place] < 0.0;
         for axis in 0..3 {
             if let Some(quad) = quad(lattice, cells, leaf, place, axis) {

@@ -6,7 +6,7 @@ use super::random::Random;
 use glam::DVec3;
 
 /// Bound on the gradient of every shape, wrinkles included.
-pub(super) const LIPSCHITZ: f64 = 1.7;
+pub(super) const LIPSCHITZ: f64 = 1.3;
 
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
@@ -111,7 +111,10 @@ impl Loft {
         let (section, slope) = self.section(inside_y);
         let mut side = self.side(at, &section) / (1.0 + slope * slope).sqrt();
         if let Some(pleats) = &self.pleats {
-            side -= pleats.height(at, &section) * (1.0 - (side / 0.06) * (side / 0.06)).max(0.0);
+            let share = 1.0 - (side / 0.06) * (side / 0.06);
+            if share > 0.0 {
+                side -= pleats.height(at, &section) * share;
+            }
         }
         let ends = (at.y - top).max(low - at.y);
         let solid = rounded_corner(side, ends, self.rounding);

@@ -118,8 +118,13 @@ fn cheapest(surface: &Surface, quadrics: &[Quadric]) -> Vec<Collapse> {
             Collapse { cost, ends, at, length }
         })
         .collect();
-    collapses.par_sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.ends.cmp(&b.ends)));
-    collapses.truncate((SHARE * collapses.len() as f64) as usize + 1);
+    let order = |a: &Collapse, b: &Collapse| a.cost.total_cmp(&b.cost).then(a.ends.cmp(&b.ends));
+    let share = (SHARE * collapses.len() as f64) as usize;
+    if share < collapses.len() {
+        collapses.select_nth_unstable_by(share, order);
+        collapses.truncate(share + 1);
+    }
+    collapses.par_sort_unstable_by(order);
     collapses
 }
 
