@@ -129,7 +129,7 @@ impl Motion {
         let twist = libm::sin(PI * (beats + 0.55));
         let lean = libm::sin(0.37 * time + TAU * self.random.unit(30));
         let shift = facing * DVec3::X * (0.035 * groove * sway);
-        let crouch = 0.012 + groove * (0.018 * bounce + 0.012);
+        let crouch = 0.004 + groove * (0.014 * bounce + 0.010);
         let pelvis = Rigid {
             rotation: facing
                 * rotation_y(0.16 * groove * twist)
@@ -181,7 +181,7 @@ impl Motion {
         let mut place = self.placement(middle);
         let random = self.random.fork(40 + side as i64);
         if self.action == Action::Dance {
-            let step = random.vector(cycle) * DVec3::new(0.11, 0.0, 0.12);
+            let step = random.vector(cycle) * DVec3::new(0.11, 0.0, 0.10);
             let apart = DVec3::X * SIDE[side] * 0.05;
             place.position += rotation_y(place.yaw) * (step + apart) * self.intensity;
             place.yaw += 0.2 * random.signed(3 * cycle + 1) * self.intensity;

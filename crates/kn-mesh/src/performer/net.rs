@@ -32,6 +32,61 @@ pub(super) struct Surface {
     pub(super) leaves: Vec<u32>,
 }
 
+impl Surface {
+    /// Keeps the pieces of surface with at least `share` of all vertices: what a scanner sees, not
+    /// the walls of voids between leg and tunic.
+    pub(super) fn keep_large_pieces(&mut self, share: f64) {
+        let mut parent: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for [a, b, c] in &self.faces {
+            let root = root(&mut parent, *a);
+            for other in [*b, *c] {
+                let other = self::root(&mut parent, other);
+                parent[other as usize] = root;
+            }
+        }
+        let mut sizes = vec![0_usize; parent.len()];
+        for v in 0..parent.len() as u32 {
+            sizes[root(&mut parent, v) as usize] += 1;
+        }
+        let least = (share * parent.len() as f64) as usize;
+        self.faces.retain(|face| sizes[root(&mut parent, face[0]) as usize] >= least);
+    }
+
+    /// Drops vertices without a face.
+    pub(super) fn compact(&mut self) {
+        let mut used = vec![false; self.positions.len()];
+        for &v in self.faces.iter().flatten() {
+            used[v as usize] = true;
+        }
+        let mut renamed = vec![0_u32; used.len()];
+        let mut count = 0;
+        for v in 0..used.len() {
+            if used[v] {
+                renamed[v] = count as u32;
+                self.positions[count] = self.positions[v];
+                self.normals[count] = self.normals[v];
+                self.leaves[count] = self.leaves[v];
+                count += 1;
+            }
+        }
+        self.positions.truncate(count);
+        self.normals.truncate(count);
+        self.leaves.truncate(count);
+        for v in self.faces.iter_mut().flatten() {
+            *v = renamed[*v as usize];
+        }
+    }
+}
+
+/// Representative of a vertex' piece, paths halved on the way.
+fn root(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        parent[v as usize] = parent[parent[v as usize] as usize];
+        v = parent[v as usize];
+    }
+    v
+}
+
 /// Index of the vertex in every cell, or [`NONE`].
 struct Cells {
     vertex: Vec<[u32; LEAF]>,

@@ -90,7 +90,7 @@ pub(super) fn simplify(surface: &mut Surface, target: usize) {
             break;
         }
     }
-    compact(surface);
+    surface.compact();
 }
 
 fn vertex_quadrics(surface: &Surface) -> Vec<Quadric> {
@@ -248,28 +248,4 @@ fn shape(corners: [DVec3; 3]) -> f64 {
 /// to it and no other.
 fn links_meet_twice(a: &[u32], b: &[u32]) -> bool {
     a.iter().filter(|v| b.binary_search(v).is_ok()).count() == 2 && a.len() + b.len() > 7
-}
-
-pub(super) fn compact(surface: &mut Surface) {
-    let mut used = vec![false; surface.positions.len()];
-    for &v in surface.faces.iter().flatten() {
-        used[v as usize] = true;
-    }
-    let mut renamed = vec![0_u32; used.len()];
-    let mut count = 0;
-    for v in 0..used.len() {
-        if used[v] {
-            renamed[v] = count as u32;
-            surface.positions[count] = surface.positions[v];
-            surface.normals[count] = surface.normals[v];
-            surface.leaves[count] = surface.leaves[v];
-            count += 1;
-        }
-    }
-    surface.positions.truncate(count);
-    surface.normals.truncate(count);
-    surface.leaves.truncate(count);
-    for v in surface.faces.iter_mut().flatten() {
-        *v = renamed[*v as usize];
-    }
 }
