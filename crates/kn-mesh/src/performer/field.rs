@@ -3,6 +3,7 @@
 
 use super::cloth::{SKIRT_HEM, SKIRT_TOP, Skirt};
 use super::figure::{Figure, Group, Primitive, TORSO};
+use super::part;
 use super::random::fade;
 use super::shape::{LIPSCHITZ, Shape};
 use super::skeleton::{ARM, CHEST, LEG, PELVIS, Pose};
@@ -72,12 +73,8 @@ impl Scene {
         self.pose.bones[primitive.bone].apply(local)
     }
 
-    pub(super) fn distance(&self, index: usize, at: DVec3) -> f64 {
-        self.distance_of(index, self.pull(index, at))
-    }
-
-    /// The distance of a point in the primitive's own frame.
-    fn distance_of(&self, index: usize, local: DVec3) -> f64 {
+    /// The distance of a point given in the primitive's own frame.
+    fn distance(&self, index: usize, local: DVec3) -> f64 {
         let primitive = &self.primitives[index];
         let plain = primitive.shape.distance(local);
         match &primitive.wrinkles {
@@ -112,7 +109,7 @@ impl Scene {
                 let own = if primitive.hangs { usize::MAX } else { primitive.bone };
                 frame = (own, self.pull(index, at));
             }
-            let distance = self.distance_of(index, frame.1);
+            let distance = self.distance(index, frame.1);
             value = if primitive.carves {
                 smooth_max(value, -distance, primitive.blend)
             } else {
@@ -189,19 +186,42 @@ impl Scene {
         0.5 * fade((away - 0.10) / 0.12)
     }
 
-    /// The body part of the solid nearest to `at`.
+    /// The body part at `at`: the label of the nearest solid, and within a limb the bone on whose
+    /// side of the joints the point lies. Folds are left out of it, so that borders are clean.
     pub(super) fn label(&self, at: DVec3, candidates: &Candidates) -> u8 {
-        let mut best = (f64::INFINITY, 0);
-        for &candidate in candidates {
-            let primitive = &self.primitives[usize::from(candidate)];
-            if !primitive.carves {
-                let distance = self.distance(usize::from(candidate), at);
-                if distance < best.0 {
-                    best = (distance, primitive.label);
-                }
-            }
+        let solids = candidates.iter().map(|&c| usize::from(c));
+        let solids = solids.filter(|&i| !self.primitives[i].carves);
+        let distance = |i: usize| self.primitives[i].shape.distance(self.pull(i, at));
+        let Some((nearest, _)) =
+            solids.map(|i| (i, distance(i))).min_by(|a, b| a.1.total_cmp(&b.1))
+        else {
+            return part::TORSO;
+        };
+        let limbs = [ARM[0], ARM[1], LEG[0], LEG[1]];
+        let labels = [part::LEFT_ARM, part::RIGHT_ARM, part::LEFT_LEG, part::RIGHT_LEG];
+        let label = self.primitives[nearest].label;
+        let limb = labels.iter().position(|parts| parts.contains(&label));
+        limb.map_or(label, |limb| labels[limb][self.section(at, limbs[limb])])
+    }
+
+    /// Which of the three bones of a limb a point of it belongs to; planes that halve the angle
+    /// at each joint divide them.
+    fn section(&self, at: DVec3, first: usize) -> usize {
+        let bones = &self.pose.bones[first..first + 3];
+        let foot = LEG.contains(&first);
+        let way = |i: usize| match (i, foot) {
+            // A foot points forwards; it begins at a level plane through the ankle.
+            (2, true) => -bones[1].rotation.y_axis,
+            _ => -bones[i].rotation.y_axis,
+        };
+        let beyond = |i: usize| (at - bones[i].origin).dot(way(i - 1) + way(i)) > 0.0;
+        if !beyond(1) {
+            0
+        } else if !beyond(2) {
+            1
+        } else {
+            2
         }
-        best.1
     }
 }
 

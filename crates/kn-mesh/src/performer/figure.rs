@@ -135,7 +135,7 @@ impl Sculptor {
             0.015,
             0.35,
         );
-        let folds = self.wrinkles(if self.tunic { 0.0055 } else { 0.004 }, [11.0, 8.0, 11.0]);
+        let folds = self.wrinkles(if self.tunic { 0.0075 } else { 0.005 }, [10.0, 5.5, 10.0]);
         self.add(CHEST, part::TORSO, 0.0, Shape::Loft(chest)).wrinkles = folds;
         if self.tunic {
             self.skirt();
@@ -172,7 +172,7 @@ impl Sculptor {
             top: (SKIRT_TOP + 0.02) * scale,
             hem: SKIRT_HEM * scale,
         });
-        let folds = self.wrinkles(0.004, [13.0, 6.0, 13.0]);
+        let folds = self.wrinkles(0.006, [11.0, 4.5, 11.0]);
         let cloth = self.add(PELVIS, part::TORSO, 0.07, Shape::Loft(skirt));
         (cloth.wrinkles, cloth.hangs) = (folds, true);
         // What a lifted thigh pushes up is tunic, not trouser.
@@ -324,7 +324,7 @@ impl Sculptor {
                 station(-0.040, 0.060, 0.062, -0.002),
                 station(-0.130, 0.060, 0.066, -0.014),
                 station(-0.260, 0.054, 0.058, -0.010),
-                station(-0.365, 0.056, 0.060, -0.006),
+                station(-0.365, 0.054, 0.058, -0.006),
             ],
             0.010,
             0.0,
@@ -332,7 +332,7 @@ impl Sculptor {
         let folds = self.wrinkles(0.0055, [10.0, 19.0, 10.0]);
         self.add(shin, labels[1], 0.03, Shape::Loft(trouser)).wrinkles = folds;
         let ankle = DVec3::NEG_Y * self.body.leg;
-        let bare = self.cone(self.at(0.0, -0.34, -0.004), ankle, 0.044, 0.038);
+        let bare = self.cone(self.at(0.0, -0.34, -0.004), ankle, 0.045, 0.039);
         self.add(shin, labels[1], 0.004, bare);
         self.foot(foot, labels[2], SIDE[side]);
     }

@@ -158,12 +158,20 @@ impl Rings {
         &self.faces[self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
     }
 
-    fn neighbours(&self, surface: &Surface, vertex: u32) -> Vec<u32> {
-        let corners = self.around(vertex).iter().flat_map(|&f| surface.faces[f as usize]);
-        let mut neighbours: Vec<u32> = corners.filter(|&v| v != vertex).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
-        neighbours
+    /// Writes the neighbours of a vertex to `ring`. Each is found once: around a vertex of a
+    /// closed surface every neighbour follows it in exactly one face.
+    fn neighbours(&self, surface: &Surface, vertex: u32, ring: &mut Vec<u32>) {
+        ring.clear();
+        for &face in self.around(vertex) {
+            let [a, b, c] = surface.faces[face as usize];
+            ring.push(if a == vertex {
+                b
+            } else if b == vertex {
+                c
+            } else {
+                a
+            });
+        }
     }
 }
 
@@ -176,6 +184,7 @@ struct Round {
 
 impl Round {
     fn run(&mut self, surface: &mut Surface, quadrics: &mut [Quadric], collapses: &[Collapse]) {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
         for collapse in collapses {
             if self.left == 0 {
                 return;
@@ -184,11 +193,11 @@ impl Round {
             if self.touched[keep as usize] || self.touched[gone as usize] {
                 continue;
             }
-            let a = self.rings.neighbours(surface, keep);
-            let b = self.rings.neighbours(surface, gone);
+            self.rings.neighbours(surface, keep, &mut a);
+            self.rings.neighbours(surface, gone, &mut b);
             let fresh = a.iter().chain(&b).all(|&v| !self.touched[v as usize]);
             if fresh && links_meet_twice(&a, &b) && self.keeps_sides(surface, collapse) {
-                for v in a.into_iter().chain(b) {
+                for &v in a.iter().chain(&b) {
                     self.touched[v as usize] = true;
                 }
                 self.apply(surface, quadrics, collapse);
@@ -247,5 +256,5 @@ fn shape(corners: [DVec3; 3]) -> f64 {
 /// The link condition of a closed manifold: the ends of an edge share the two vertices opposite
 /// to it and no other.
 fn links_meet_twice(a: &[u32], b: &[u32]) -> bool {
-    a.iter().filter(|v| b.binary_search(v).is_ok()).count() == 2 && a.len() + b.len() > 7
+    a.iter().filter(|v| b.contains(v)).count() == 2 && a.len() + b.len() > 7
 }
