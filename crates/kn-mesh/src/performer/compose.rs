@@ -2,7 +2,7 @@
 //! itself only across a diagonal. Then every cell holds one sheet of surface, and a surface net
 //! with one vertex a cell is a closed manifold.
 
-use super::lattice::{LEAF, Lattice, local, mask, octant};
+use super::lattice::{Lattice, local, mask, octant};
 use rayon::prelude::*;
 
 /// The four corners of each face of a cell, around the face.
@@ -20,27 +20,19 @@ pub(super) fn make_well_composed(lattice: &mut Lattice) {
         if critical.is_empty() {
             return;
         }
-        for (leaf, cell) in critical {
-            repair(lattice, leaf, cell);
+        for (leaf, place) in critical {
+            // Just inside: the surface stays within a hair of this lattice point.
+            lattice.leaves[leaf].values[place] = -1e-3 * lattice.step;
+            lattice.leaves[leaf].sides[1] = true;
         }
     }
 }
 
 fn critical_cells(lattice: &Lattice, leaf: usize) -> Vec<(usize, usize)> {
-    let critical = |&cell: &usize| {
-        let corners = lattice.corners(leaf, local(cell));
-        corners.is_some_and(|values| offender(&values).is_some())
-    };
-    (0..LEAF).filter(critical).map(|cell| (leaf, cell)).collect()
-}
-
-fn repair(lattice: &mut Lattice, leaf: usize, cell: usize) {
-    let Some(values) = lattice.corners(leaf, local(cell)) else { return };
-    let Some(corner) = offender(&values) else { return };
-    if let Some((leaf, place)) = lattice.find(leaf, octant(local(cell), corner as i32)) {
-        // Just inside: the surface stays within a hair of this lattice point.
-        lattice.leaves[leaf].values[place] = -1e-3 * lattice.step;
-    }
+    let cut = lattice.cut_cells(leaf);
+    cut.filter_map(|(cell, values)| Some((cell, offender(&values)?)))
+        .filter_map(|(cell, corner)| lattice.find(leaf, octant(local(cell), corner as i32)))
+        .collect()
 }
 
 /// The corner to turn inside in a critical cell: of those outside that take part, the nearest to

@@ -3,16 +3,17 @@
 
 use super::cloth::{SKIRT_HEM, SKIRT_TOP, Skirt};
 use super::figure::{Figure, Group, Primitive, TORSO};
+use super::part;
 use super::random::fade;
 use super::shape::{LIPSCHITZ, Shape};
 use super::skeleton::{ARM, CHEST, LEG, PELVIS, Pose};
 use glam::DVec3;
 
-/// Blends reach at most this far: a solid farther from a point than the field's value plus this
-/// does not change the value.
-const BLEND_REACH: f64 = 0.16;
 /// Edge radius where groups merely touch: scanners round what they see, at about this radius.
 const TOUCH: f64 = 0.006;
+/// Distances from a joint at which its blend begins to narrow and has become a touch.
+const JOINT_START: f64 = 0.07;
+const JOINT_END: f64 = 0.17;
 
 /// The smaller of two distances, rounded over `blend` (quadratic polynomial).
 pub(super) fn smooth_min(a: f64, b: f64, blend: f64) -> f64 {
@@ -34,6 +35,8 @@ pub(super) struct Scene {
     /// Wrinkles of moving cloth wander, and deepen where a joint bends: one strength a primitive.
     strength: Vec<f64>,
     drift: DVec3,
+    /// How far each primitive reaches beyond itself by the blends that follow it in its group.
+    reach: Vec<f64>,
 }
 
 /// Indices of the primitives that matter near a place, rising.
@@ -47,7 +50,9 @@ impl Scene {
         }
         let strength = primitives.iter().map(|p| fold_strength(p, &pose)).collect();
         let drift = DVec3::new(0.31, 0.17, 0.23) * skirt.time;
-        Self { primitives, groups: figure.groups.clone(), pose, skirt, strength, drift }
+        let groups = figure.groups.clone();
+        let reach = groups.iter().flat_map(|g| reaches(&primitives[g.members.clone()])).collect();
+        Self { primitives, groups, pose, skirt, strength, drift, reach }
     }
 
     pub(super) fn all(&self) -> Vec<u16> {
@@ -68,9 +73,9 @@ impl Scene {
         self.pose.bones[primitive.bone].apply(local)
     }
 
-    pub(super) fn distance(&self, index: usize, at: DVec3) -> f64 {
+    /// The distance of a point given in the primitive's own frame.
+    fn distance(&self, index: usize, local: DVec3) -> f64 {
         let primitive = &self.primitives[index];
-        let local = self.pull(index, at);
         let plain = primitive.shape.distance(local);
         match &primitive.wrinkles {
             None => plain,
@@ -96,9 +101,15 @@ impl Scene {
 
     fn group_value(&self, at: DVec3, members: &Candidates) -> f64 {
         let mut value = f64::INFINITY;
-        for &member in members {
-            let primitive = &self.primitives[usize::from(member)];
-            let distance = self.distance(usize::from(member), at);
+        let mut frame = (usize::MAX, at);
+        for index in members.iter().map(|&m| usize::from(m)) {
+            let primitive = &self.primitives[index];
+            // Members of one bone follow each other and share their frame.
+            if primitive.hangs || frame.0 != primitive.bone {
+                let own = if primitive.hangs { usize::MAX } else { primitive.bone };
+                frame = (own, self.pull(index, at));
+            }
+            let distance = self.distance(index, frame.1);
             value = if primitive.carves {
                 smooth_max(value, -distance, primitive.blend)
             } else {
@@ -111,24 +122,36 @@ impl Scene {
     /// Blend radius between a group and the torso: wide at their joint, a touch elsewhere.
     fn joining(&self, group: &Group, at: DVec3) -> f64 {
         let away = (at - self.pose.bones[group.joint].origin).length();
-        TOUCH + (group.blend - TOUCH).max(0.0) * (1.0 - fade((away - 0.07) / 0.10))
+        TOUCH
+            + (group.blend - TOUCH).max(0.0)
+                * (1.0 - fade((away - JOINT_START) / (JOINT_END - JOINT_START)))
     }
 
-    /// Those of `candidates` that can change the field within `radius` of `centre`, and the
-    /// field's value there.
+    /// Those of `candidates` that can change the field where it is at most `band` from zero,
+    /// within `radius` of `centre`.
     pub(super) fn nearby(
         &self,
         centre: DVec3,
         radius: f64,
+        band: f64,
         candidates: &Candidates,
-    ) -> (Vec<u16>, f64) {
-        let value = self.value(centre, candidates);
-        let limit = value.abs() + BLEND_REACH + 2.0 * LIPSCHITZ * radius;
-        let near = |&c: &u16| {
-            self.primitives[usize::from(c)].shape.distance(self.pull(usize::from(c), centre))
-                < limit
-        };
-        (candidates.iter().copied().filter(near).collect(), value)
+    ) -> Vec<u16> {
+        let mut near = Vec::with_capacity(candidates.len());
+        let limit = band + LIPSCHITZ * radius;
+        for group in &self.groups {
+            let away = (centre - self.pose.bones[group.joint].origin).length();
+            let joint = if away < JOINT_END + radius { group.blend } else { TOUCH };
+            for &candidate in candidates {
+                let index = usize::from(candidate);
+                if group.members.contains(&index) {
+                    let distance = self.primitives[index].shape.distance(self.pull(index, centre));
+                    if distance < limit + joint.max(self.reach[index]) {
+                        near.push(candidate);
+                    }
+                }
+            }
+        }
+        near
     }
 
     /// One body region alone: a limb (or the head) with the torso around its joint only, or the
@@ -163,19 +186,42 @@ impl Scene {
         0.5 * fade((away - 0.10) / 0.12)
     }
 
-    /// The body part of the solid nearest to `at`.
+    /// The body part at `at`: the label of the nearest solid, and within a limb the bone on whose
+    /// side of the joints the point lies. Folds are left out of it, so that borders are clean.
     pub(super) fn label(&self, at: DVec3, candidates: &Candidates) -> u8 {
-        let mut best = (f64::INFINITY, 0);
-        for &candidate in candidates {
-            let primitive = &self.primitives[usize::from(candidate)];
-            if !primitive.carves {
-                let distance = self.distance(usize::from(candidate), at);
-                if distance < best.0 {
-                    best = (distance, primitive.label);
-                }
-            }
+        let solids = candidates.iter().map(|&c| usize::from(c));
+        let solids = solids.filter(|&i| !self.primitives[i].carves);
+        let distance = |i: usize| self.primitives[i].shape.distance(self.pull(i, at));
+        let Some((nearest, _)) =
+            solids.map(|i| (i, distance(i))).min_by(|a, b| a.1.total_cmp(&b.1))
+        else {
+            return part::TORSO;
+        };
+        let limbs = [ARM[0], ARM[1], LEG[0], LEG[1]];
+        let labels = [part::LEFT_ARM, part::RIGHT_ARM, part::LEFT_LEG, part::RIGHT_LEG];
+        let label = self.primitives[nearest].label;
+        let limb = labels.iter().position(|parts| parts.contains(&label));
+        limb.map_or(label, |limb| labels[limb][self.section(at, limbs[limb])])
+    }
+
+    /// Which of the three bones of a limb a point of it belongs to; planes that halve the angle
+    /// at each joint divide them.
+    fn section(&self, at: DVec3, first: usize) -> usize {
+        let bones = &self.pose.bones[first..first + 3];
+        let foot = LEG.contains(&first);
+        let way = |i: usize| match (i, foot) {
+            // A foot points forwards; it begins at a level plane through the ankle.
+            (2, true) => -bones[1].rotation.y_axis,
+            _ => -bones[i].rotation.y_axis,
+        };
+        let beyond = |i: usize| (at - bones[i].origin).dot(way(i - 1) + way(i)) > 0.0;
+        if !beyond(1) {
+            0
+        } else if !beyond(2) {
+            1
+        } else {
+            2
         }
-        best.1
     }
 }
 
@@ -213,6 +259,19 @@ fn breathe(primitive: &mut Primitive, breath: f64, time: f64) {
             wave.2 += 0.7 * libm::sin((0.6 + 0.23 * i as f64) * time);
         }
     }
+}
+
+/// The widest blend that each member of a group takes part in, its own or a later member's; the
+/// depth of wrinkles on top.
+fn reaches(members: &[Primitive]) -> Vec<f64> {
+    let mut widest: f64 = 0.0;
+    let mut reaches: Vec<f64> = Vec::with_capacity(members.len());
+    for member in members.iter().rev() {
+        widest = widest.max(member.blend);
+        reaches.push(widest + 0.012);
+    }
+    reaches.reverse();
+    reaches
 }
 
 fn fold_strength(primitive: &Primitive, pose: &Pose) -> f64 {

@@ -135,7 +135,7 @@ impl Sculptor {
             0.015,
             0.35,
         );
-        let folds = self.wrinkles(if self.tunic { 0.0055 } else { 0.004 }, [11.0, 8.0, 11.0]);
+        let folds = self.wrinkles(if self.tunic { 0.0075 } else { 0.005 }, [10.0, 5.5, 10.0]);
         self.add(CHEST, part::TORSO, 0.0, Shape::Loft(chest)).wrinkles = folds;
         if self.tunic {
             self.skirt();
@@ -158,7 +158,7 @@ impl Sculptor {
             0.008,
             0.15,
         );
-        (skirt.hollow, skirt.wall) = (0.07, 0.020);
+        (skirt.hollow, skirt.wall) = (0.04, 0.024);
         let phase = |i: i64| TAU * self.random.unit(i);
         let scale = self.body.scale;
         skirt.pleats = Some(Pleats {
@@ -172,7 +172,7 @@ impl Sculptor {
             top: (SKIRT_TOP + 0.02) * scale,
             hem: SKIRT_HEM * scale,
         });
-        let folds = self.wrinkles(0.004, [13.0, 6.0, 13.0]);
+        let folds = self.wrinkles(0.006, [11.0, 4.5, 11.0]);
         let cloth = self.add(PELVIS, part::TORSO, 0.07, Shape::Loft(skirt));
         (cloth.wrinkles, cloth.hangs) = (folds, true);
         // What a lifted thigh pushes up is tunic, not trouser.
@@ -261,7 +261,7 @@ impl Sculptor {
         let labels = if side == 0 { part::LEFT_ARM } else { part::RIGHT_ARM };
         let [upper, lower, hand] = [ARM[side], ARM[side] + 1, ARM[side] + 2];
         let loose = if self.tunic { 1.0 } else { 0.88 };
-        let mut sleeve = self.loft(
+        let sleeve = self.loft(
             &[
                 station(0.062, 0.036, 0.040, 0.0),
                 station(0.030, 0.058, 0.060, 0.0),
@@ -272,7 +272,6 @@ impl Sculptor {
             0.008,
             0.0,
         );
-        (sleeve.hollow, sleeve.wall) = (0.03, 0.014);
         let folds = self.wrinkles(0.0055, [14.0, 13.0, 14.0]);
         self.add(upper, labels[0], 0.0, Shape::Loft(sleeve)).wrinkles = folds;
         let elbow = DVec3::NEG_Y * self.body.upper_arm;
@@ -294,12 +293,12 @@ impl Sculptor {
         for (z, length) in [(0.030, 0.070), (0.010, 0.080), (-0.010, 0.075), (-0.029, 0.058)] {
             let knuckle = self.at(0.0, -0.088, z);
             let bent = -out * 0.012 * curl;
-            let joint = self.at(bent, -0.088 - 0.55 * length, z * 1.22);
-            let tip = self.at(3.2 * bent, -0.088 - length, z * 1.30);
+            let joint = self.at(bent, -0.088 - 0.55 * length, z * 1.04);
+            let tip = self.at(3.2 * bent, -0.088 - length, z * 1.06);
             let first = self.cone(knuckle, joint, 0.0105, 0.0092);
             self.add(bone, label, 0.010, first);
             let second = self.cone(joint, tip, 0.0092, 0.0078);
-            self.add(bone, label, 0.005, second);
+            self.add(bone, label, 0.006, second);
         }
         let (ball, joint) = (self.at(0.0, -0.025, 0.024), self.at(-out * 0.014, -0.062, 0.056));
         let thumb = self.cone(ball, joint, 0.017, 0.0118);
@@ -325,7 +324,7 @@ impl Sculptor {
                 station(-0.040, 0.060, 0.062, -0.002),
                 station(-0.130, 0.060, 0.066, -0.014),
                 station(-0.260, 0.054, 0.058, -0.010),
-                station(-0.365, 0.056, 0.060, -0.006),
+                station(-0.365, 0.054, 0.058, -0.006),
             ],
             0.010,
             0.0,
@@ -333,7 +332,7 @@ impl Sculptor {
         let folds = self.wrinkles(0.0055, [10.0, 19.0, 10.0]);
         self.add(shin, labels[1], 0.03, Shape::Loft(trouser)).wrinkles = folds;
         let ankle = DVec3::NEG_Y * self.body.leg;
-        let bare = self.cone(self.at(0.0, -0.34, -0.004), ankle, 0.044, 0.038);
+        let bare = self.cone(self.at(0.0, -0.34, -0.004), ankle, 0.045, 0.039);
         self.add(shin, labels[1], 0.004, bare);
         self.foot(foot, labels[2], SIDE[side]);
     }

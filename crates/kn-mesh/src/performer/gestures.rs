@@ -116,6 +116,11 @@ pub(super) fn random_arm(draw: Option<(Random, f64)>, body: &Proportions) -> Arm
     arm
 }
 
+/// The arm half raised to the side.
+pub(super) fn spread_arm(body: &Proportions) -> ArmTarget {
+    target(&Gesture([0.88, -0.36, 0.08], [0.2, -0.6, -1.0], 0.3, 0.1), body)
+}
+
 fn arm_length(body: &Proportions) -> f64 {
     body.upper_arm + body.lower_arm
 }

@@ -15,13 +15,15 @@ use std::f64::consts::TAU;
 /// Lattice points along the side of a leaf block, and in all of it.
 pub(super) const SIDE: i32 = 4;
 pub(super) const LEAF: usize = (SIDE * SIDE * SIDE) as usize;
+/// Lattice points at the corners of all cells of a leaf.
+const CORNERS: usize = ((SIDE + 1) * (SIDE + 1) * (SIDE + 1)) as usize;
 /// A leaf that does not exist.
 pub(super) const NONE: u32 = u32::MAX;
 /// Radius around the pelvis that holds the figure in any pose, metres.
 const REACH: f64 = 1.35;
 /// Cells by which blocks are grown before they are tested, so that all lattice points around a
 /// cell with a surface exist even after [`super::compose`] has moved it by a cell.
-const MARGIN: f64 = 2.0;
+const MARGIN: f64 = 1.0;
 
 /// A block of [`LEAF`] lattice points.
 #[derive(Clone, Debug)]
@@ -32,6 +34,8 @@ pub(super) struct Leaf {
     pub(super) candidates: Vec<u16>,
     /// Field at the block's lattice points, x fastest.
     pub(super) values: Vec<f64>,
+    /// Whether some of the values are outside, and whether some are inside.
+    pub(super) sides: [bool; 2],
     /// The 27 leaves around and including this, x fastest; [`NONE`] where the field has no zero.
     pub(super) around: [u32; 27],
 }
@@ -95,8 +99,9 @@ impl Lattice {
         let middle = key.map(|k| (f64::from(k * size) + half - 0.5) * self.step);
         let centre = self.frame.apply(DVec3::from(middle));
         let radius = 3.0_f64.sqrt() * (half + MARGIN) * self.step;
-        let (near, value) = scene.nearby(centre, radius, all);
-        (value.abs() <= LIPSCHITZ * radius).then_some(near)
+        let near = scene.nearby(centre, radius, 2.0 * self.step, all);
+        let bound = LIPSCHITZ * radius;
+        (scene.value(centre, &near).abs() <= bound).then_some(near)
     }
 
     fn leaf(&self, scene: &Scene, (key, candidates): Block) -> Leaf {
@@ -105,8 +110,9 @@ impl Lattice {
             let at = local(i);
             scene.value(self.point([0, 1, 2].map(|a| first[a] + at[a])), &candidates)
         };
-        let values = (0..LEAF).map(value).collect();
-        Leaf { key, candidates, values, around: [NONE; 27] }
+        let values: Vec<f64> = (0..LEAF).map(value).collect();
+        let sides = [values.iter().any(|v| *v >= 0.0), values.iter().any(|v| *v < 0.0)];
+        Leaf { key, candidates, values, sides, around: [NONE; 27] }
     }
 
     fn connect(&mut self) {
@@ -132,15 +138,37 @@ impl Lattice {
         (slot != NONE).then_some((slot as usize, place as usize))
     }
 
-    /// Field at the eight corners of the cell whose lowest corner is `at` (as in [`Self::find`]),
-    /// x fastest; `None` where one of them was not sampled.
-    pub(super) fn corners(&self, leaf: usize, at: [i32; 3]) -> Option<[f64; 8]> {
-        let mut values = [0.0; 8];
-        for (i, value) in values.iter_mut().enumerate() {
-            let (leaf, place) = self.find(leaf, octant(at, i as i32))?;
-            *value = self.leaves[leaf].values[place];
-        }
-        Some(values)
+    /// Whether the surface passes between the lattice points of a leaf's cells.
+    pub(super) fn is_cut(&self, leaf: usize) -> bool {
+        let around = &self.leaves[leaf].around;
+        // The leaf and the seven that hold the upper corners of its cells.
+        let upper = [13, 14, 16, 17, 22, 23, 25, 26].map(|slot| around[slot]);
+        let known = upper.iter().filter(|&&slot| slot != NONE);
+        let sides = known.map(|&slot| self.leaves[slot as usize].sides);
+        sides.fold([false; 2], |a, b| [a[0] | b[0], a[1] | b[1]]) == [true; 2]
+    }
+
+    /// The field at the corners of all cells of a leaf, [`SIDE`] + 1 lattice points a side, x
+    /// fastest; NaN where nothing was sampled.
+    pub(super) fn corners(&self, leaf: usize) -> [f64; CORNERS] {
+        std::array::from_fn(|i| {
+            let (i, side) = (i as i32, SIDE + 1);
+            let found = self.find(leaf, [i % side, i / side % side, i / (side * side)]);
+            found.map_or(f64::NAN, |(leaf, place)| self.leaves[leaf].values[place])
+        })
+    }
+
+    /// The cells of a leaf that the surface passes, with the field at their corners (x fastest).
+    pub(super) fn cut_cells(&self, leaf: usize) -> impl Iterator<Item = (usize, [f64; 8])> {
+        let corners = if self.is_cut(leaf) { self.corners(leaf) } else { [f64::NAN; CORNERS] };
+        (0..LEAF).filter_map(move |cell| {
+            let values = std::array::from_fn(|i| {
+                let [x, y, z] = octant(local(cell), i as i32);
+                corners[(x + (SIDE + 1) * (y + (SIDE + 1) * z)) as usize]
+            });
+            let whole = values.iter().all(|v| !v.is_nan());
+            (whole && !matches!(mask(&values), 0 | 255)).then_some((cell, values))
+        })
     }
 }
 

@@ -140,6 +140,8 @@ pub struct Performer {
 
 /// The net is this much finer than the mesh that decimation leaves.
 const OVERSAMPLING: f64 = 1.8;
+/// Pieces of surface with a smaller share of the vertices are dropped.
+const LARGE_PIECE: f64 = 0.01;
 /// Vertices of a net times the square of its step: the figure's area, in square metres, times the
 /// vertices that a cell-sized piece of surface gets.
 const NET_AREA: f64 = 3.2;
@@ -176,10 +178,12 @@ impl Performer {
         let mut lattice = Lattice::sample(&scene, step, random.fork(0));
         compose::make_well_composed(&mut lattice);
         let mut surface = net::extract(&scene, &lattice);
+        surface.keep_large_pieces(LARGE_PIECE);
+        surface.compact();
         scan::add_noise(&mut surface, self.config.noise, random.fork(1));
         simplify::simplify(&mut surface, self.config.vertices);
         scan::cut_holes(&mut surface, self.config.holes, random.fork(2));
-        scan::drop_unused(&mut surface);
+        surface.compact();
         let leaf = |i: usize| &lattice.leaves[surface.leaves[i] as usize].candidates;
         let label = |(i, at): (usize, &glam::DVec3)| scene.label(*at, leaf(i));
         Mesh {

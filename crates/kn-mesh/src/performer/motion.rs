@@ -1,7 +1,7 @@
 //! The choreography: what the figure does at a moment, in closed form, so that frame 100,000 costs
 //! as much as frame 0 and nothing has to be remembered.
 
-use super::gestures::{arm_at, random_arm};
+use super::gestures::{arm_at, random_arm, spread_arm};
 use super::random::{Random, fade};
 use super::rigid::{Rigid, rotation_x, rotation_y, rotation_z};
 use super::skeleton::{Proportions, SIDE, Stance};
@@ -50,8 +50,14 @@ impl Motion {
         }
     }
 
-    /// The neutral stance that all material coordinates refer to.
+    /// The stance that all material coordinates refer to: arms half raised, so that no joint ever
+    /// turns far from it.
     pub(super) fn rest(body: &Proportions) -> Stance {
+        Stance { arms: [spread_arm(body); 2], ..Self::home(body) }
+    }
+
+    /// Standing at ease.
+    fn home(body: &Proportions) -> Stance {
         Stance {
             pelvis: Rigid { rotation: DMat3::IDENTITY, origin: DVec3::Y * body.pelvis_height() },
             waist: DMat3::IDENTITY,
@@ -129,7 +135,7 @@ impl Motion {
         let twist = libm::sin(PI * (beats + 0.55));
         let lean = libm::sin(0.37 * time + TAU * self.random.unit(30));
         let shift = facing * DVec3::X * (0.035 * groove * sway);
-        let crouch = 0.012 + groove * (0.018 * bounce + 0.012);
+        let crouch = 0.004 + groove * (0.014 * bounce + 0.010);
         let pelvis = Rigid {
             rotation: facing
                 * rotation_y(0.16 * groove * twist)
@@ -181,7 +187,7 @@ impl Motion {
         let mut place = self.placement(middle);
         let random = self.random.fork(40 + side as i64);
         if self.action == Action::Dance {
-            let step = random.vector(cycle) * DVec3::new(0.11, 0.0, 0.12);
+            let step = random.vector(cycle) * DVec3::new(0.11, 0.0, 0.10);
             let apart = DVec3::X * SIDE[side] * 0.05;
             place.position += rotation_y(place.yaw) * (step + apart) * self.intensity;
             place.yaw += 0.2 * random.signed(3 * cycle + 1) * self.intensity;
@@ -194,7 +200,7 @@ impl Motion {
     fn standing(&self, time: f64, body: &Proportions) -> Stance {
         let a = self.intensity;
         let wave = |speed: f64, i: i64| libm::sin(speed * time + TAU * self.random.unit(i));
-        let mut stance = Self::rest(body);
+        let mut stance = Self::home(body);
         stance.pelvis.origin +=
             a * DVec3::new(0.012 * wave(0.9, 50), -0.004, 0.008 * wave(0.7, 51));
         stance.pelvis.rotation =
@@ -215,7 +221,7 @@ impl Motion {
     fn posed(&self, frame: i64, body: &Proportions) -> Stance {
         let random = self.random.fork(70).fork(frame);
         let a = self.intensity;
-        let mut stance = Self::rest(body);
+        let mut stance = Self::home(body);
         let facing = rotation_y(0.25 * a * random.signed(0));
         stance.pelvis.rotation = facing * rotation_z(0.06 * a * random.signed(1));
         stance.pelvis.origin += a * DVec3::new(

@@ -2,7 +2,7 @@
 //! every lattice edge that it cuts (surface nets), each vertex then drawn onto the field's zero.
 
 use super::field::{Scene, value_and_gradient};
-use super::lattice::{LEAF, Lattice, NONE, local, mask, octant};
+use super::lattice::{LEAF, Lattice, NONE, SIDE, local, octant};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -30,6 +30,61 @@ pub(super) struct Surface {
     pub(super) faces: Vec<[u32; 3]>,
     /// The lattice leaf that knows which primitives matter at each vertex.
     pub(super) leaves: Vec<u32>,
+}
+
+impl Surface {
+    /// Keeps the pieces of surface with at least `share` of all vertices: what a scanner sees, not
+    /// the walls of voids between leg and tunic.
+    pub(super) fn keep_large_pieces(&mut self, share: f64) {
+        let mut parent: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for [a, b, c] in &self.faces {
+            let root = root(&mut parent, *a);
+            for other in [*b, *c] {
+                let other = self::root(&mut parent, other);
+                parent[other as usize] = root;
+            }
+        }
+        let mut sizes = vec![0_usize; parent.len()];
+        for v in 0..parent.len() as u32 {
+            sizes[root(&mut parent, v) as usize] += 1;
+        }
+        let least = (share * parent.len() as f64) as usize;
+        self.faces.retain(|face| sizes[root(&mut parent, face[0]) as usize] >= least);
+    }
+
+    /// Drops vertices without a face.
+    pub(super) fn compact(&mut self) {
+        let mut used = vec![false; self.positions.len()];
+        for &v in self.faces.iter().flatten() {
+            used[v as usize] = true;
+        }
+        let mut renamed = vec![0_u32; used.len()];
+        let mut count = 0;
+        for v in 0..used.len() {
+            if used[v] {
+                renamed[v] = count as u32;
+                self.positions[count] = self.positions[v];
+                self.normals[count] = self.normals[v];
+                self.leaves[count] = self.leaves[v];
+                count += 1;
+            }
+        }
+        self.positions.truncate(count);
+        self.normals.truncate(count);
+        self.leaves.truncate(count);
+        for v in self.faces.iter_mut().flatten() {
+            *v = renamed[*v as usize];
+        }
+    }
+}
+
+/// Representative of a vertex' piece, paths halved on the way.
+fn root(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        parent[v as usize] = parent[parent[v as usize] as usize];
+        v = parent[v as usize];
+    }
+    v
 }
 
 /// Index of the vertex in every cell, or [`NONE`].
@@ -61,22 +116,16 @@ pub(super) fn extract(scene: &Scene, lattice: &Lattice) -> Surface {
 }
 
 fn leaf_vertices(scene: &Scene, lattice: &Lattice, leaf: usize) -> Vec<(usize, DVec3, DVec3)> {
-    let mut vertices = Vec::new();
-    for cell in 0..LEAF {
-        let Some(values) = lattice.corners(leaf, local(cell)) else { continue };
-        if matches!(mask(&values), 0 | 255) {
-            continue;
-        }
-        let first = lattice.leaves[leaf].key.map(|k| k * super::lattice::SIDE);
+    let known = &lattice.leaves[leaf];
+    let vertex = |(cell, values): (usize, [f64; 8])| {
         let at = local(cell);
-        let corner = [0, 1, 2].map(|a| first[a] + at[a]);
-        let start =
-            lattice.point(corner) + lattice.frame.rotation * (crossing(&values) * lattice.step);
-        let (position, normal) =
-            drawn(scene, &lattice.leaves[leaf].candidates, start, lattice.step);
-        vertices.push((cell, position, normal));
-    }
-    vertices
+        let corner = [0, 1, 2].map(|a| known.key[a] * SIDE + at[a]);
+        let across = lattice.frame.rotation * (crossing(&values) * lattice.step);
+        let start = lattice.point(corner) + across;
+        let (position, normal) = drawn(scene, &known.candidates, start, lattice.step);
+        (cell, position, normal)
+    };
+    lattice.cut_cells(leaf).map(vertex).collect()
 }
 
 /// Mean of the points where the surface cuts the cell's edges, in cell units.
@@ -104,7 +153,9 @@ fn drawn(scene: &Scene, candidates: &[u16], start: DVec3, step: f64) -> (DVec3, 
 
 fn leaf_faces(lattice: &Lattice, cells: &Cells, positions: &[DVec3], leaf: usize) -> Vec<[u32; 3]> {
     let mut faces = Vec::new();
-    for place in 0..LEAF {
+    // An edge is cut only where a cell of this leaf is: the edge's lower end is the cell's corner.
+    let places = if lattice.is_cut(leaf) { 0..LEAF } else { 0..0 };
+    for place in places {
         let inside = lattice.leaves[leaf].values[place] < 0.0;
         for axis in 0..3 {
             if let Some(quad) = quad(lattice, cells, leaf, place, axis) {

@@ -131,11 +131,6 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Drops vertices without a face, which holes leave behind.
-pub(super) fn drop_unused(surface: &mut Surface) {
-    super::simplify::compact(surface);
-}
-
 /// A position in binary32.
 pub(super) fn rounded(position: DVec3) -> [f32; 3] {
     position.to_array().map(|c| c as f32)

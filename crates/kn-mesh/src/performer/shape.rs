@@ -6,7 +6,7 @@ use super::random::Random;
 use glam::DVec3;
 
 /// Bound on the gradient of every shape, wrinkles included.
-pub(super) const LIPSCHITZ: f64 = 1.7;
+pub(super) const LIPSCHITZ: f64 = 1.3;
 
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
@@ -109,16 +109,21 @@ impl Loft {
         let (top, low) = (self.stations[0].y, self.stations[self.stations.len() - 1].y);
         let inside_y = at.y.clamp(low, top);
         let (section, slope) = self.section(inside_y);
-        let mut side = self.side(at, &section) / (1.0 + slope * slope).sqrt();
+        let plain = self.side(at, &section) / (1.0 + slope * slope).sqrt();
+        let mut side = plain;
         if let Some(pleats) = &self.pleats {
-            side -= pleats.height(at, &section) * (1.0 - (side / 0.06) * (side / 0.06)).max(0.0);
+            let share = 1.0 - (side / 0.06) * (side / 0.06);
+            if share > 0.0 {
+                side -= pleats.height(at, &section) * share;
+            }
         }
         let ends = (at.y - top).max(low - at.y);
         let solid = rounded_corner(side, ends, self.rounding);
         if self.hollow <= 0.0 {
             return solid;
         }
-        let cavity = rounded_corner(side + self.wall, at.y - low - self.hollow, 0.015);
+        // The wall keeps its thickness in front of the pleats and behind them.
+        let cavity = rounded_corner(side.max(plain) + self.wall, at.y - low - self.hollow, 0.015);
         super::field::smooth_max(solid, -cavity, 0.012)
     }
 

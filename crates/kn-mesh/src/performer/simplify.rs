@@ -90,7 +90,7 @@ pub(super) fn simplify(surface: &mut Surface, target: usize) {
             break;
         }
     }
-    compact(surface);
+    surface.compact();
 }
 
 fn vertex_quadrics(surface: &Surface) -> Vec<Quadric> {
@@ -118,8 +118,13 @@ fn cheapest(surface: &Surface, quadrics: &[Quadric]) -> Vec<Collapse> {
             Collapse { cost, ends, at, length }
         })
         .collect();
-    collapses.par_sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.ends.cmp(&b.ends)));
-    collapses.truncate((SHARE * collapses.len() as f64) as usize + 1);
+    let order = |a: &Collapse, b: &Collapse| a.cost.total_cmp(&b.cost).then(a.ends.cmp(&b.ends));
+    let share = (SHARE * collapses.len() as f64) as usize;
+    if share < collapses.len() {
+        collapses.select_nth_unstable_by(share, order);
+        collapses.truncate(share + 1);
+    }
+    collapses.par_sort_unstable_by(order);
     collapses
 }
 
@@ -153,12 +158,20 @@ impl Rings {
         &self.faces[self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
     }
 
-    fn neighbours(&self, surface: &Surface, vertex: u32) -> Vec<u32> {
-        let corners = self.around(vertex).iter().flat_map(|&f| surface.faces[f as usize]);
-        let mut neighbours: Vec<u32> = corners.filter(|&v| v != vertex).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
-        neighbours
+    /// Writes the neighbours of a vertex to `ring`. Each is found once: around a vertex of a
+    /// closed surface every neighbour follows it in exactly one face.
+    fn neighbours(&self, surface: &Surface, vertex: u32, ring: &mut Vec<u32>) {
+        ring.clear();
+        for &face in self.around(vertex) {
+            let [a, b, c] = surface.faces[face as usize];
+            ring.push(if a == vertex {
+                b
+            } else if b == vertex {
+                c
+            } else {
+                a
+            });
+        }
     }
 }
 
@@ -171,6 +184,7 @@ struct Round {
 
 impl Round {
     fn run(&mut self, surface: &mut Surface, quadrics: &mut [Quadric], collapses: &[Collapse]) {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
         for collapse in collapses {
             if self.left == 0 {
                 return;
@@ -179,11 +193,11 @@ impl Round {
             if self.touched[keep as usize] || self.touched[gone as usize] {
                 continue;
             }
-            let a = self.rings.neighbours(surface, keep);
-            let b = self.rings.neighbours(surface, gone);
+            self.rings.neighbours(surface, keep, &mut a);
+            self.rings.neighbours(surface, gone, &mut b);
             let fresh = a.iter().chain(&b).all(|&v| !self.touched[v as usize]);
             if fresh && links_meet_twice(&a, &b) && self.keeps_sides(surface, collapse) {
-                for v in a.into_iter().chain(b) {
+                for &v in a.iter().chain(&b) {
                     self.touched[v as usize] = true;
                 }
                 self.apply(surface, quadrics, collapse);
@@ -242,29 +256,5 @@ fn shape(corners: [DVec3; 3]) -> f64 {
 /// The link condition of a closed manifold: the ends of an edge share the two vertices opposite
 /// to it and no other.
 fn links_meet_twice(a: &[u32], b: &[u32]) -> bool {
-    a.iter().filter(|v| b.binary_search(v).is_ok()).count() == 2 && a.len() + b.len() > 7
-}
-
-pub(super) fn compact(surface: &mut Surface) {
-    let mut used = vec![false; surface.positions.len()];
-    for &v in surface.faces.iter().flatten() {
-        used[v as usize] = true;
-    }
-    let mut renamed = vec![0_u32; used.len()];
-    let mut count = 0;
-    for v in 0..used.len() {
-        if used[v] {
-            renamed[v] = count as u32;
-            surface.positions[count] = surface.positions[v];
-            surface.normals[count] = surface.normals[v];
-            surface.leaves[count] = surface.leaves[v];
-            count += 1;
-        }
-    }
-    surface.positions.truncate(count);
-    surface.normals.truncate(count);
-    surface.leaves.truncate(count);
-    for v in surface.faces.iter_mut().flatten() {
-        *v = renamed[*v as usize];
-    }
+    a.iter().filter(|v| b.contains(v)).count() == 2 && a.len() + b.len() > 7
 }
