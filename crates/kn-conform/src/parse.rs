@@ -143,6 +143,10 @@ impl Elements for StreamElements<'_> {
                 self.huffman(code)?
             }
         };
+        let unknown = matches!(value.number(), 0 | 6..=127);
+        if place.name == "unit_type" && unknown {
+            return Err(Failure::of_rule(start, rule::UNIT_TYPE_KNOWN, "reserved"));
+        }
         if place.name == "unit_crc" {
             let unit = self.bits.between(self.unit_start, start);
             if value.number() != i128::from(crc32(unit)) {
