@@ -53,7 +53,6 @@ rules! {
     INTRA_DIGEST_FACES = "intra.digest.faces", "faces_digest is that of the decoded faces";
 
     NODES_COUNT_RANGE = "nodes.count.range", "node_count is from 1 to the level's limit";
-    NODES_AFFINE_KNOWN = "nodes.affine.known", "affine_mode is 0 to 3";
     NODES_SIGMA_RANGE = "nodes.sigma.range", "weight_sigma is from 1 to 2^20 - 1";
     NODES_VERTEX_RANGE = "nodes.vertex.range", "a node's vertex is a vertex of the I-frame";
     NODES_POSITION_RANGE = "nodes.position.range", "coordinates of a node are below 2^20 in magnitude";

@@ -1,7 +1,7 @@
 //! The Cauchy-Huffman codes, written from chapter 2 and the CSV with no eye on speed.
 
-use std::sync::OnceLock;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use crate::tables::Table;
 

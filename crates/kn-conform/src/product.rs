@@ -1,12 +1,13 @@
 //! kn-bitstream's readers and writers, driven for comparison with the tables.
 
-use kn_bitstream::unit::{self, Framing, SizeLimits, Unit};
+use kn_bitstream::unit::{self, Framing, SizeLimits};
 use kn_bitstream::{
     BitReader, BitWriter, Error, FrameHeader, Index, IntraFrame, KeyNodes, KeyNodesContext, Level,
     MotionContext, MotionFrame, SequenceHeader, WeightScheme, cauchy_table, rule,
 };
+use kn_codec::{DecodeError, Limits, Progress, StreamDecoder};
+use kn_mesh::Mesh;
 
-use crate::interpret::{CountAffine, GroupPayloads};
 use crate::spec::Example;
 use crate::value::TraceLine;
 
@@ -14,7 +15,7 @@ use crate::value::TraceLine;
 pub fn example_trace(example: &Example) -> Result<Vec<TraceLine>, Error> {
     let mut lines = Vec::new();
     if example.structure == "unit" {
-        trace_lone_unit(example, &mut lines)?;
+        trace_unit(example, &mut lines)?;
     } else {
         let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
         let mut bits = BitReader::new(&example.bytes).traced(&mut sink);
@@ -121,129 +122,33 @@ fn read_index(example: &Example, bits: &mut BitReader<'_, '_>) -> Result<Index, 
     Index::read(bits, example.bytes.len() as u32, longest)
 }
 
-fn trace_lone_unit(example: &Example, lines: &mut Vec<TraceLine>) -> Result<(), Error> {
-    let mut walk = Walk::new(lines, crate::no_labels());
-    let length = walk.unit(&example.bytes, 0)?;
-    if length == example.bytes.len() {
-        Ok(())
-    } else {
-        Err(Error::malformed(rule::FILE_ORDER, 8 * length as u64))
+/// A unit that a decoder steps over: the frame alone.
+fn trace_unit(example: &Example, lines: &mut Vec<TraceLine>) -> Result<(), Error> {
+    let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
+    let end = 8 * example.bytes.len() as u64;
+    match unit::read_unit(&example.bytes, SizeLimits::default())? {
+        Framing::Unit(unit) if unit.total_len == example.bytes.len() => {
+            unit.trace_header(0, &mut sink);
+            unit.trace_end(0, &mut sink);
+            Ok(())
+        }
+        _ => Err(Error::malformed(rule::FILE_ORDER, end)),
     }
 }
 
-/// Every syntax element of a stream, read by kn-bitstream.
-///
-/// The frames themselves are not decoded; `count_affine` is asked where affine nodes are given by
-/// labels.
-pub fn stream_trace(
-    stream: &[u8],
-    count_affine: &CountAffine<'_>,
-) -> Result<Vec<TraceLine>, Error> {
+/// Every syntax element of a stream, as kn-codec's decoder reads it, up to the error if it errs.
+pub fn stream_trace(stream: &[u8]) -> (Vec<TraceLine>, Result<(), DecodeError>) {
     let mut lines = Vec::new();
     let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
-    let mut bits = BitReader::new(stream).traced(&mut sink);
-    let found = bits.u("file_signature", 64)?;
-    let expected = u64::from_be_bytes(unit::FILE_SIGNATURE);
-    bits.require(found == expected, rule::FILE_SIGNATURE_VALUE)?;
-    let mut walk = Walk::new(&mut lines, count_affine);
-    let mut at = unit::FILE_SIGNATURE.len();
-    while at < stream.len() {
-        at += walk.unit(&stream[at..], at)?;
-    }
-    Ok(lines)
-}
-
-/// What must be known from one unit to read the next.
-struct Walk<'w> {
-    lines: &'w mut Vec<TraceLine>,
-    count_affine: &'w CountAffine<'w>,
-    payloads: GroupPayloads,
-    header: Option<SequenceHeader>,
-    motion: MotionContext,
-}
-
-impl<'w> Walk<'w> {
-    fn new(lines: &'w mut Vec<TraceLine>, count_affine: &'w CountAffine<'w>) -> Self {
-        let motion = MotionContext { node_count: 0, affine_count: 0 };
-        Self { lines, count_affine, payloads: GroupPayloads::default(), header: None, motion }
-    }
-
-    /// Traces the unit at the start of `bytes`, which is byte `at` of the file; its length.
-    fn unit(&mut self, bytes: &[u8], at: usize) -> Result<usize, Error> {
-        let start = 8 * at as u64;
-        let in_file = |error: Error| Error { bit: error.bit + start, ..error };
-        let level = self.header.as_ref().and_then(SequenceHeader::limits);
-        let limits = level.map_or(SizeLimits::default(), |level| SizeLimits {
-            level: level.max_unit_bytes,
-            caller: level.max_unit_bytes,
-        });
-        let unit = match unit::read_unit(bytes, limits).map_err(in_file)? {
-            Framing::Unit(unit) => unit,
-            Framing::NeedBytes(_) => {
-                return Err(Error::malformed(rule::FILE_ORDER, start + 8 * bytes.len() as u64));
-            }
-        };
-        let mut lines = Vec::new();
-        let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
-        unit.trace_header(start, &mut sink);
-        self.structure(&unit, start + 8 * unit.header_len as u64, &mut sink)?;
-        unit.trace_end(start, &mut sink);
-        self.lines.append(&mut lines);
-        Ok(unit.total_len)
-    }
-
-    fn structure(
-        &mut self,
-        unit: &Unit<'_>,
-        start: u64,
-        sink: &mut kn_bitstream::Trace<'_>,
-    ) -> Result<(), Error> {
-        let mut bits = BitReader::new(unit.payload).at(start).traced(sink);
-        let out_of_order = Error::malformed(rule::FILE_ORDER, start);
-        match unit.unit_type {
-            unit::SEQUENCE_HEADER => {
-                self.payloads.sequence_header = unit.payload.to_vec();
-                self.header = Some(SequenceHeader::read(&mut bits)?);
-            }
-            unit::INTRA_FRAME => {
-                self.payloads.intra_frame = unit.payload.to_vec();
-                IntraFrame::read(&mut bits)?;
-            }
-            unit::KEY_NODES => {
-                let nodes = KeyNodes::read(&mut bits, &self.nodes_context().ok_or(out_of_order)?)?;
-                self.payloads.key_nodes = unit.payload.to_vec();
-                self.motion = self.motion_context(&nodes);
-            }
-            unit::MOTION_FRAME => MotionFrame::default().read(&mut bits, &self.motion)?,
-            unit::INDEX => {
-                let longest = self.header.as_ref().map_or(255, |header| header.max_group_length);
-                Index::read(&mut bits, unit.payload.len() as u32, longest)?;
-            }
-            _ => return Ok(()),
+    let mut decoder = StreamDecoder::new(Limits::default());
+    decoder.push(stream);
+    let mut mesh = Mesh::default();
+    let result = loop {
+        match decoder.poll_traced(&mut mesh, Some(&mut sink)) {
+            Ok(Progress::Frame(_)) => {}
+            Ok(Progress::End | Progress::NeedBytes(_)) => break Ok(()),
+            Err(error) => break Err(error),
         }
-        bits.finish()
-    }
-
-    fn nodes_context(&self) -> Option<KeyNodesContext> {
-        let header = self.header.as_ref()?;
-        let level = header.limits()?;
-        Some(KeyNodesContext {
-            label_count: header.labels.label_count(),
-            weight_scheme: header.weight_scheme,
-            vertex_count: level.max_vertices,
-            max_nodes: level.max_nodes,
-        })
-    }
-
-    fn motion_context(&self, nodes: &KeyNodes) -> MotionContext {
-        use kn_bitstream::AffineNodes;
-        let node_count = nodes.count();
-        let affine_count = match &nodes.affine {
-            AffineNodes::None => 0,
-            AffineNodes::Labels(_) => (self.count_affine)(&self.payloads).unwrap_or(0),
-            AffineNodes::All => node_count,
-            AffineNodes::Nodes(flags) => flags.iter().filter(|flag| **flag).count() as u32,
-        };
-        MotionContext { node_count, affine_count }
-    }
+    };
+    (lines, result)
 }
