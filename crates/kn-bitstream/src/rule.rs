@@ -49,9 +49,10 @@ rules! {
     INTRA_VERTICES_NODES = "intra.vertices.nodes", "an I-frame with P-frames has at least one vertex";
     INTRA_SIZE_LEVEL = "intra.size.level", "an I-frame has no more vertices and faces than the level allows";
     FRAME_RESERVED_ZERO = "frame.reserved.zero", "reserved bits of a frame header are zero";
+    FRAME_DIGEST_POSITIONS = "frame.digest.positions", "positions_digest is that of the decoded positions";
+    INTRA_DIGEST_FACES = "intra.digest.faces", "faces_digest is that of the decoded faces";
 
     NODES_COUNT_RANGE = "nodes.count.range", "node_count is from 1 to the level's limit";
-    NODES_AFFINE_KNOWN = "nodes.affine.known", "affine_mode is 0 to 3";
     NODES_SIGMA_RANGE = "nodes.sigma.range", "weight_sigma is from 1 to 2^20 - 1";
     NODES_VERTEX_RANGE = "nodes.vertex.range", "a node's vertex is a vertex of the I-frame";
     NODES_POSITION_RANGE = "nodes.position.range", "coordinates of a node are below 2^20 in magnitude";

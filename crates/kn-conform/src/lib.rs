@@ -1,3 +1,27 @@
 #![doc = include_str!("../README.md")]
 
+mod affine;
+mod assemble;
+mod bits;
+mod corpus;
+mod environment;
+mod huffman;
+mod interpret;
+mod parse;
+mod product;
+mod second;
+mod spec;
+mod syntax;
 pub mod tables;
+mod value;
+
+pub use affine::count_affine_by_label;
+pub use corpus::{
+    CorpusError, Description, FOLDERS, Outcome, Report, Stream, Verdict, judge, load_corpus,
+    run_foreign, run_ours,
+};
+pub use interpret::{CountAffine, GroupPayloads};
+pub use product::{example_trace, example_written, stream_trace};
+pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};
+pub use syntax::{Syntax, SyntaxError};
+pub use value::{Failure, TraceLine, Value};

@@ -1,0 +1,225 @@
+//! The conformance streams: what they are, and what a decoder makes of them.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use kn_codec::{DecodeErrorKind, Decoder, FrameKind, digest};
+use kn_mesh::Mesh;
+use serde::{Deserialize, Serialize};
+
+/// The folders of the corpus.
+pub const FOLDERS: [&str; 3] = ["core", "uncommon", "faulty"];
+
+/// What stands beside a stream in `NAME.json`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    /// The mistake that the stream catches.
+    pub danger: String,
+    /// Rules that it exercises.
+    #[serde(default)]
+    pub covers: Vec<String>,
+    /// The rule that a faulty stream breaks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<String>,
+    /// The lines that a decoder prints for a sound stream (9.7).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<String>,
+}
+
+/// One stream of the corpus.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// `core/NAME`
+    pub name: String,
+    /// The `.knm` file.
+    pub path: PathBuf,
+    /// What is known of it.
+    pub description: Description,
+}
+
+/// A corpus that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct CorpusError {
+    path: PathBuf,
+    reason: String,
+}
+
+/// All streams of a corpus, by folder and name.
+pub fn load_corpus(folder: &Path) -> Result<Vec<Stream>, CorpusError> {
+    let mut streams = Vec::new();
+    for kind in FOLDERS {
+        let folder = folder.join(kind);
+        let wrong = |reason: std::io::Error| CorpusError {
+            path: folder.clone(),
+            reason: reason.to_string(),
+        };
+        if !folder.exists() {
+            continue;
+        }
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(wrong)? {
+            let path = entry.map_err(wrong)?.path();
+            if path.extension().is_some_and(|extension| extension == "knm") {
+                paths.push(path);
+            }
+        }
+        paths.sort();
+        for path in paths {
+            streams.push(load_stream(kind, path)?);
+        }
+    }
+    Ok(streams)
+}
+
+fn load_stream(kind: &str, path: PathBuf) -> Result<Stream, CorpusError> {
+    let beside = path.with_extension("json");
+    let wrong = |reason: String| CorpusError { path: beside.clone(), reason };
+    let text = std::fs::read_to_string(&beside).map_err(|error| wrong(error.to_string()))?;
+    let description = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    Ok(Stream { name: format!("{kind}/{}", stem.unwrap_or_default()), path, description })
+}
+
+/// What a decoder made of a stream.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The lines of its frames.
+    Frames(Vec<String>),
+    /// It refused the stream.
+    Refused {
+        /// By this rule, where it says so.
+        rule: Option<String>,
+        /// With this message.
+        message: String,
+    },
+    /// It could not be run.
+    NotRun(String),
+}
+
+/// Runs our decoder, which also checks the digests inside the stream.
+pub fn run_ours(path: &Path) -> Outcome {
+    match frames_of(path) {
+        Ok(frames) => Outcome::Frames(frames),
+        Err(error) => {
+            let rule = match error.kind() {
+                DecodeErrorKind::Truncated { .. } => Some("file.order"),
+                DecodeErrorKind::Digest { what: "faces", .. } => Some("intra.digest.faces"),
+                DecodeErrorKind::Digest { .. } => Some("frame.digest.positions"),
+                _ => error.rule(),
+            };
+            let rule = rule.unwrap_or("no rule").to_owned();
+            Outcome::Refused { rule: Some(rule), message: error.to_string() }
+        }
+    }
+}
+
+fn frames_of(path: &Path) -> Result<Vec<String>, kn_codec::DecodeError> {
+    let mut decoder = Decoder::new(std::fs::File::open(path)?)?;
+    decoder.check_digests(true);
+    let mut mesh = Mesh::default();
+    let mut lines = Vec::new();
+    while let Some(frame) = decoder.next_frame(&mut mesh)? {
+        let kind = if frame.kind == FrameKind::Intra { 'I' } else { 'P' };
+        let (positions, faces) = (decoder.stream().grid_positions(), decoder.stream().faces());
+        let sha256 = digest::frame_sha256(positions, faces);
+        let (index, vertices, faces) = (frame.index, frame.vertices, frame.faces);
+        lines.push(format!("{index} {kind} {vertices} {faces} {sha256}"));
+    }
+    Ok(lines)
+}
+
+/// Runs a foreign decoder under the contract of 9.7: `command`, split at spaces, and the file.
+pub fn run_foreign(command: &str, path: &Path) -> Outcome {
+    let mut words = command.split_whitespace();
+    let Some(program) = words.next() else { return Outcome::NotRun("no command".into()) };
+    match Command::new(program).args(words).arg(path).output() {
+        Err(error) => Outcome::NotRun(format!("{program}: {error}")),
+        Ok(output) if output.status.success() => {
+            let text = String::from_utf8_lossy(&output.stdout);
+            Outcome::Frames(text.lines().map(|line| line.trim().to_owned()).collect())
+        }
+        Ok(output) => {
+            let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            Outcome::Refused { rule: None, message }
+        }
+    }
+}
+
+/// The verdict on one stream.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// `core/NAME`
+    pub stream: String,
+    /// Whether the decoder did what the stream asks for.
+    pub passed: bool,
+    /// What it did otherwise; empty for a pass.
+    pub reason: String,
+}
+
+/// Compares what a decoder made of a stream with what it should have made.
+pub fn judge(stream: &Stream, outcome: &Outcome) -> Verdict {
+    let reason = match (&stream.description.rule, outcome) {
+        (_, Outcome::NotRun(reason)) => reason.clone(),
+        (Some(rule), Outcome::Frames(_)) => format!("decoded, though it breaks {rule}"),
+        (Some(expected), Outcome::Refused { rule: Some(rule), message }) if rule != expected => {
+            format!("refused by {rule}, not by {expected}: {message}")
+        }
+        // A foreign decoder names no rule.
+        (Some(_), Outcome::Refused { .. }) => String::new(),
+        (None, Outcome::Refused { message, .. }) => format!("refused: {message}"),
+        (None, Outcome::Frames(lines)) => difference(&stream.description.frames, lines),
+    };
+    Verdict { stream: stream.name.clone(), passed: reason.is_empty(), reason }
+}
+
+fn difference(expected: &[String], found: &[String]) -> String {
+    if let Some(line) = expected.iter().zip(found).position(|(a, b)| a != b) {
+        return format!("frame {line}: expected {}, found {}", expected[line], found[line]);
+    }
+    if expected.len() == found.len() {
+        String::new()
+    } else {
+        format!("{} frames, not {}", found.len(), expected.len())
+    }
+}
+
+/// The verdicts on a corpus.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Report {
+    /// In the order of the corpus.
+    pub verdicts: Vec<Verdict>,
+}
+
+impl Report {
+    /// Runs a decoder over all streams.
+    pub fn run(streams: &[Stream], decode: impl Fn(&Path) -> Outcome) -> Self {
+        let verdicts = streams.iter().map(|stream| judge(stream, &decode(&stream.path)));
+        Self { verdicts: verdicts.collect() }
+    }
+
+    /// Whether every stream passed.
+    pub fn passed(&self) -> bool {
+        self.verdicts.iter().all(|verdict| verdict.passed)
+    }
+}
+
+impl fmt::Display for Report {
+    /// A line for each stream, then the counts by folder.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.verdicts.iter().map(|v| v.stream.len()).max().unwrap_or(0);
+        for verdict in &self.verdicts {
+            let word = if verdict.passed { "ok" } else { "FAILED" };
+            writeln!(f, "{:width$}  {word}  {}", verdict.stream, verdict.reason)?;
+        }
+        for folder in FOLDERS {
+            let of_folder = |v: &&Verdict| v.stream.starts_with(folder);
+            let all = self.verdicts.iter().filter(of_folder).count();
+            let passed = self.verdicts.iter().filter(of_folder).filter(|v| v.passed).count();
+            writeln!(f, "{folder}: {passed} of {all} passed")?;
+        }
+        Ok(())
+    }
+}

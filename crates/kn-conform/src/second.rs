@@ -1,0 +1,92 @@
+//! What the tables do: parse a stream, assemble one, read an example.
+
+use crate::assemble::{TextElements, text_of};
+use crate::interpret::{CountAffine, Interpreter};
+use crate::parse::StreamElements;
+use crate::spec::{Example, Spec};
+use crate::syntax::{Syntax, SyntaxError};
+use crate::value::{Failure, TraceLine};
+
+impl Spec {
+    /// Every syntax element of a stream, read by the tables of chapter 3.
+    ///
+    /// Safe on untrusted input; takes memory in proportion to the stream and time with no eye on
+    /// speed.
+    pub fn parse(
+        &self,
+        stream: &[u8],
+        count_affine: &CountAffine<'_>,
+    ) -> Result<Vec<TraceLine>, Failure> {
+        let elements = StreamElements::new(stream, &self.codes);
+        let mut interpreter = Interpreter::new(&self.syntax, count_affine, elements);
+        interpreter.run("file")?;
+        Ok(interpreter.trace)
+    }
+
+    /// The stream that a text describes: the tables run backwards.
+    pub fn assemble(&self, text: &str, count_affine: &CountAffine<'_>) -> Result<Vec<u8>, Failure> {
+        let elements = TextElements::new(text, &self.codes)?;
+        let mut interpreter = Interpreter::new(&self.syntax, count_affine, elements);
+        interpreter.run("file")?;
+        interpreter.elements.finish()
+    }
+
+    /// The text of a stream, from which [`Self::assemble`] makes the stream again.
+    pub fn disassemble(
+        &self,
+        stream: &[u8],
+        count_affine: &CountAffine<'_>,
+    ) -> Result<String, Failure> {
+        Ok(text_of(&self.parse(stream, count_affine)?))
+    }
+
+    /// The trace of an example, by the tables.
+    pub fn parse_example(&self, example: &Example) -> Result<Vec<TraceLine>, Failure> {
+        let (syntax, table) = self.example_table(example).map_err(no_table)?;
+        let elements = StreamElements::new(&example.bytes, &self.codes);
+        let mut interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
+        for (name, value) in &example.given {
+            interpreter.environment.set(name, i128::from(*value));
+        }
+        interpreter.run(table)?;
+        interpreter.elements.finish()?;
+        Ok(interpreter.trace)
+    }
+
+    /// The bytes of an example, assembled from its trace.
+    pub fn assemble_example(
+        &self,
+        example: &Example,
+        trace: &[TraceLine],
+    ) -> Result<Vec<u8>, Failure> {
+        let (syntax, table) = self.example_table(example).map_err(no_table)?;
+        let mut text = String::new();
+        for line in trace {
+            text.push_str(&format!("{} = {}\n", line.name, line.value));
+        }
+        let elements = TextElements::new(&text, &self.codes)?;
+        let mut interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
+        for (name, value) in &example.given {
+            interpreter.environment.set(name, i128::from(*value));
+        }
+        interpreter.run(table)?;
+        interpreter.elements.finish()
+    }
+
+    /// The tables and the name of the one to read an example with; a lone descriptor gets a table
+    /// of its own with the one element `value`.
+    fn example_table<'e>(&self, example: &'e Example) -> Result<(Syntax, &'e str), SyntaxError> {
+        match example.structure.strip_prefix("descriptor ") {
+            None => Ok((self.syntax.clone(), &example.structure)),
+            Some(descriptor) => {
+                let mut syntax = Syntax::default();
+                syntax.add(&format!("descriptor() {{\nvalue {descriptor}\n}}"))?;
+                Ok((syntax, "descriptor"))
+            }
+        }
+    }
+}
+
+fn no_table(error: SyntaxError) -> Failure {
+    Failure::new(0, error.to_string())
+}
