@@ -23,8 +23,23 @@ const WIDTH: f64 = 2.0;
 const LEAST_WIDTH: f64 = 1.0;
 /// Iterations of L-BFGS in one correspondence step.
 const ITERATIONS: u64 = 8;
-/// Iterations with the last matches, one combination after the other.
-const LAST_ITERATIONS: u64 = 30;
+/// The first steps move so far that each needs variables of its own ...
+const FIRST_FACTORS: usize = 2;
+/// ... later ones share them until α_reg has shrunk to this share.
+const REFACTOR: f64 = 0.2;
+
+/// How hard one minimisation tries.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// α_orth relative to its last value.
+    stiffness: f64,
+    /// Whether the variables of L-BFGS are made anew for this energy.
+    refactor: bool,
+    iterations: u64,
+}
+
+/// With the last matches, for one combination after the other.
+const LAST: Effort = Effort { stiffness: 1.0, refactor: true, iterations: 30 };
 
 /// Fits the frames of one group of frames, one after the other; holds what stays the same through
 /// the group, the buffers, and the previous frame's motion.
@@ -113,7 +128,7 @@ impl Fitter {
             let frame = Frame { combinations: &own, ..frame };
             let mut transforms = transforms.clone();
             let mut report = shared_report.clone();
-            report.evaluations += self.minimise(frame, LAST_ITERATIONS, &mut transforms);
+            report.evaluations += self.minimise(frame, LAST, &mut transforms);
             self.deformed.update(source, &transforms);
             self.measure(frame, &mut report)?;
             fits.push(Fit { transforms, report });
@@ -148,11 +163,20 @@ impl Fitter {
         let edge = mean_edge(source.positions, source.faces);
         let mut schedule = Schedule::new(options.regularisation, options.max_steps);
         let mut report = FitReport::default();
+        let mut factored_at = f64::INFINITY;
         self.deformed.update(source, &transforms);
         loop {
             let matches = self.correspond(frame, schedule.stage)?;
             self.assemble(frame, &matches, schedule.stage, schedule.regularisation);
-            report.evaluations += self.minimise(frame, ITERATIONS, &mut transforms);
+            let refactor = schedule.steps < FIRST_FACTORS
+                || schedule.regularisation < REFACTOR * factored_at;
+            if refactor {
+                factored_at = schedule.regularisation;
+            }
+            // L_orth relaxes together with L_reg.
+            let stiffness = schedule.regularisation / options.regularisation.max(f64::MIN_POSITIVE);
+            let effort = Effort { stiffness, refactor, iterations: ITERATIONS };
+            report.evaluations += self.minimise(frame, effort, &mut transforms);
             self.deformed.update(source, &transforms);
             if !schedule.advance(matches.residual(), self.deformed.moved() / edge) {
                 break;
@@ -229,7 +253,7 @@ impl Fitter {
     fn minimise(
         &mut self,
         frame: Frame,
-        iterations: u64,
+        effort: Effort,
         transforms: &mut [NodeTransform],
     ) -> usize {
         // L_orth has no unit, the other terms are squared lengths: per node, in its spacing.
@@ -238,11 +262,13 @@ impl Fitter {
             pattern: &self.group.pattern,
             form: &self.form,
             combinations: frame.combinations,
-            orthogonality: frame.options.orthogonality * unit,
+            orthogonality: effort.stiffness * frame.options.orthogonality * unit,
         };
         let elimination = &self.group.elimination;
-        energy.precondition(elimination, transforms, &mut self.factor);
-        minimise(energy, elimination, &self.factor, iterations, transforms)
+        if effort.refactor {
+            energy.precondition(elimination, transforms, &mut self.factor);
+        }
+        minimise(energy, elimination, &self.factor, effort.iterations, transforms)
     }
 
     /// Residuals to the surfaces, and whether they say that something is missing.
