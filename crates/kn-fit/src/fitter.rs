@@ -6,7 +6,7 @@ use crate::deformed::Deformed;
 use crate::energy::{Energy, minimise};
 use crate::error::{FitError, Side};
 use crate::group::{Group, mean_edge};
-use crate::matching::{Correspondences, Hints, push_matches, quantile};
+use crate::matching::{Correspondences, Hints, Matches, push_matches, quantile};
 use crate::options::{FitOptions, PartStart};
 use crate::parts;
 use crate::quadratic::{Observations, QuadraticForm};
@@ -163,11 +163,12 @@ impl Fitter {
         let edge = mean_edge(source.positions, source.faces);
         let mut schedule = Schedule::new(options.regularisation, options.max_steps);
         let mut report = FitReport::default();
-        let mut factored_at = f64::INFINITY;
+        let (mut factored_at, mut kept) = (f64::INFINITY, None);
         self.deformed.update(source, &transforms);
         loop {
-            let matches = self.correspond(frame, schedule.stage)?;
-            self.assemble(frame, &matches, schedule.stage, schedule.regularisation);
+            let (stage, keeps) = (schedule.stage, kept.is_some());
+            let matches = self.correspond(frame, stage, kept.take())?;
+            self.assemble(frame, &matches, stage, schedule.regularisation);
             let refactor = schedule.steps < FIRST_FACTORS
                 || schedule.regularisation < REFACTOR * factored_at;
             if refactor {
@@ -180,6 +181,10 @@ impl Fitter {
             self.deformed.update(source, &transforms);
             if !schedule.advance(matches.residual(), self.deformed.moved() / edge) {
                 break;
+            }
+            // Matches from the target serve two steps, since they cost a tree over the source.
+            if stage != Stage::Coarse && !keeps {
+                kept = Some(matches.backward);
             }
         }
         report.steps = schedule.steps;
@@ -214,15 +219,22 @@ impl Fitter {
         candidates.swap_remove(best.1)
     }
 
-    fn correspond(&mut self, frame: Frame, stage: Stage) -> Result<Correspondences, FitError> {
-        let Frame { source, target, .. } = frame;
+    fn correspond(
+        &mut self,
+        frame: Frame,
+        stage: Stage,
+        kept: Option<Matches>,
+    ) -> Result<Correspondences, FitError> {
         let sample = match stage {
-            Stage::Coarse => return Ok(coarse::correspond(&self.group, &self.deformed, target)),
+            Stage::Coarse => {
+                return Ok(coarse::correspond(&self.group, &self.deformed, frame.target));
+            }
             Stage::Sampled => &self.group.sample,
             Stage::Full => &self.group.all,
         };
+        let meshes = (frame.source, frame.target);
         let (deformed, hints) = (&self.deformed, &mut self.hints);
-        Correspondences::on_surfaces(&self.group, sample, source, deformed, target, hints)
+        Correspondences::on_surfaces(&self.group, sample, meshes, deformed, hints, kept)
             .map_err(|source| FitError::Tree { mesh: Side::Source, source })
     }
 
@@ -273,7 +285,7 @@ impl Fitter {
 
     /// Residuals to the surfaces, and whether they say that something is missing.
     fn measure(&mut self, frame: Frame, report: &mut FitReport) -> Result<(), FitError> {
-        let matches = self.correspond(frame, Stage::Full)?;
+        let matches = self.correspond(frame, Stage::Full, None)?;
         report.measure(&self.group, frame.target, &matches);
         Ok(())
     }

@@ -122,18 +122,23 @@ pub(crate) struct Correspondences {
 
 impl Correspondences {
     /// Closest points of the surfaces, from `sample` of the source and from the target's sample.
+    /// `kept` are earlier matches from the target, which save building a tree over the source.
     pub(crate) fn on_surfaces(
         group: &Group,
         sample: &Sample,
-        source: &FitSource,
+        frame: (&FitSource, &FitTarget),
         deformed: &Deformed,
-        target: &FitTarget,
         hints: &mut Hints,
+        kept: Option<Matches>,
     ) -> Result<Self, TreeError> {
+        let (source, target) = frame;
         let Hints { forward, backward } = hints;
         let (forward, backward) = rayon::join(
             || to_target(sample, deformed, target, forward),
-            || to_source(target, deformed, source.faces, &group.boundary, backward),
+            || match kept {
+                Some(kept) => Ok(kept),
+                None => to_source(target, deformed, source.faces, &group.boundary, backward),
+            },
         );
         Ok(Self { forward, backward: backward? })
     }
