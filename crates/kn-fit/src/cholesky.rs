@@ -305,8 +305,7 @@ mod tests {
                     _ => ((a * 7 + b * 3 + i * 5 + j) % 11) as f64 / 11.0,
                 };
                 factor.set(&elimination, [a, b], value);
-                let (va, vb) =
-                    (factor.variable(&elimination, a), factor.variable(&elimination, b));
+                let (va, vb) = (factor.variable(&elimination, a), factor.variable(&elimination, b));
                 for i in 0..size(a) {
                     for j in 0..size(b) {
                         dense[va + i][vb + j] = value(i, j);

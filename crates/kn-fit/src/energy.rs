@@ -16,6 +16,8 @@ use std::cell::RefCell;
 const MEMORY: usize = 6;
 /// A minimisation ends when an iteration lowers the energy by less than this share.
 const TOLERANCE: f64 = 1e-4;
+/// No axis of a node shrinks below this factor.
+const LEAST_SCALE: f64 = 0.05;
 /// What is added to the diagonal of the preconditioner, relative to its entries: directions that
 /// neither data nor smoothness see stay where they are.
 const DAMPING: f64 = 1e-6;
@@ -135,15 +137,6 @@ impl Energy<'_> {
     }
 }
 
-/// How a minimisation ended.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Descent {
-    pub(crate) evaluations: usize,
-    /// Energy before and after.
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-}
-
 /// The energy in the variables q of p = p₀ + L⁻ᵀ q, where its Hessian is near the identity.
 struct Preconditioned<'a> {
     energy: Energy<'a>,
@@ -213,28 +206,26 @@ impl Gradient for &Preconditioned<'_> {
 
 /// Lowers the energy from `transforms`, in place, by at most `iterations` of L-BFGS. `factor` must
 /// come from [`Energy::precondition`] with the same combinations, at this or a nearby state.
-/// A step that does not lower the energy leaves `transforms` as they are.
+/// A step that does not lower the energy leaves `transforms` as they are. Returns the number of
+/// evaluations.
 pub(crate) fn minimise(
     energy: Energy<'_>,
     elimination: &Elimination,
     factor: &BlockCholesky,
     iterations: u64,
     transforms: &mut [NodeTransform],
-) -> Descent {
+) -> usize {
     let mut origin = vec![0.0; factor.len()];
     for (node, transform) in transforms.iter().enumerate() {
         let first = factor.variable(elimination, node);
         affine::write_parameters(transform, energy.combinations[node], &mut origin[first..]);
     }
-    let state = RefCell::new(Evaluated {
-        gradient: DVector::zeros(factor.len()),
-        ..Evaluated::default()
-    });
+    let state =
+        RefCell::new(Evaluated { gradient: DVector::zeros(factor.len()), ..Evaluated::default() });
     let problem = Preconditioned { energy, elimination, factor, origin: &origin, state };
     let zero = DVector::zeros(factor.len());
     let before = problem.evaluate(&zero, |state| state.value);
     let best = run(&problem, zero, before, iterations);
-    let mut after = before;
     if let Some((q, value)) = best
         && value < before
     {
@@ -242,13 +233,12 @@ pub(crate) fn minimise(
         problem.parameters(&q, &mut parameters);
         for (node, transform) in transforms.iter_mut().enumerate() {
             let first = factor.variable(elimination, node);
-            *transform =
-                affine::read_parameters(&parameters[first..], energy.combinations[node]);
+            *transform = affine::read_parameters(&parameters[first..], energy.combinations[node]);
+            // A reflection never occurs.
+            transform.scale = transform.scale.map(|factor| factor.max(LEAST_SCALE));
         }
-        after = value;
     }
-    let evaluations = problem.state.borrow().count;
-    Descent { evaluations, before, after }
+    problem.state.borrow().count
 }
 
 /// The best point that L-BFGS found. Its own termination status says nothing that the value does

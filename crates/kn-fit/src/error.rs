@@ -2,7 +2,7 @@
 
 /// Input that no fit can start from. A frame that is merely hard never ends here: it comes back
 /// as a fit whose report says how bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FitError {
     /// A mesh has no vertices or no faces with an area.
     #[error("the {mesh} mesh has no surface")]
@@ -17,6 +17,14 @@ pub enum FitError {
         mesh: Side,
         /// Index of the vertex.
         vertex: usize,
+    },
+    /// The closest-point search refuses a mesh: too many faces, coordinates too large.
+    #[error("the {mesh} mesh cannot be searched")]
+    Tree {
+        /// Which of the two meshes.
+        mesh: Side,
+        /// The reason.
+        source: kn_metrics::TreeError,
     },
     /// A face names a vertex that does not exist.
     #[error("face {face} of the {mesh} mesh names a vertex that does not exist")]

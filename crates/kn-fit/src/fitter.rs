@@ -1,18 +1,45 @@
 //! The fit of a frame.
 
-use crate::affine::{Affine, affine};
 use crate::cholesky::BlockCholesky;
+use crate::coarse;
+use crate::deformed::Deformed;
 use crate::energy::{Energy, minimise};
-use crate::error::FitError;
+use crate::error::{FitError, Side};
 use crate::group::{Group, mean_edge};
-use crate::matching::{Deformed, correspond, deform, push_matches, quantile};
-use crate::options::FitOptions;
+use crate::matching::{Correspondences, Hints, Matches, push_matches, quantile};
+use crate::options::{FitOptions, PartStart};
+use crate::parts;
 use crate::quadratic::{Observations, QuadraticForm};
 use crate::report::{Fit, FitReport};
+use crate::schedule::{Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
-use crate::vec3::distance;
 use kn_deform::{Combination, NodeTransform};
+
+/// The robust width is this many times the 95th percentile of the distances ...
+const WIDTH: f64 = 2.0;
+/// ... but at least this many node spacings: what is nearer must not be given up, since the
+/// farthest part of a limb is what says where the limb goes.
+const LEAST_WIDTH: f64 = 1.0;
+/// Iterations of L-BFGS in one correspondence step.
+const ITERATIONS: u64 = 8;
+/// The first steps move so far that each needs variables of its own ...
+const FIRST_FACTORS: usize = 2;
+/// ... later ones share them until α_reg has shrunk to this share.
+const REFACTOR: f64 = 0.2;
+
+/// How hard one minimisation tries.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// α_orth relative to its last value.
+    stiffness: f64,
+    /// Whether the variables of L-BFGS are made anew for this energy.
+    refactor: bool,
+    iterations: u64,
+}
+
+/// With the last matches, for one combination after the other.
+const LAST: Effort = Effort { stiffness: 1.0, refactor: true, iterations: 30 };
 
 /// Fits the frames of one group of frames, one after the other; holds what stays the same through
 /// the group, the buffers, and the previous frame's motion.
@@ -23,8 +50,18 @@ pub struct Fitter {
     factor: BlockCholesky,
     observations: Observations,
     deformed: Deformed,
-    matrices: Vec<Affine>,
+    hints: Hints,
     previous: Option<Vec<NodeTransform>>,
+}
+
+/// One frame's task.
+#[derive(Clone, Copy)]
+struct Frame<'a> {
+    source: &'a FitSource<'a>,
+    target: &'a FitTarget,
+    options: &'a FitOptions,
+    /// `#N`: what each node may do.
+    combinations: &'a [Combination],
 }
 
 impl Fitter {
@@ -40,97 +77,64 @@ impl Fitter {
             factor: BlockCholesky::default(),
             observations: Observations::default(),
             deformed: Deformed::default(),
-            matrices: Vec::new(),
+            hints: Hints::default(),
             previous: None,
         })
     }
 
     /// The transforms that carry `source` onto `target`. `source` is the group's mesh with the
-    /// positions and nodes of the reference frame.
+    /// positions and nodes of the reference frame; faces, influence and affine nodes must be those
+    /// that the fitter was made for. The next frame starts from this one's motion.
     ///
     /// # Errors
-    /// Arrays that do not fit together, see [`FitError`].
+    /// Arrays that do not fit together, see [`FitError`]. A frame that is hard to fit is no error:
+    /// see [`FitReport::failure`].
     pub fn fit_frame(
         &mut self,
         source: &FitSource,
         target: &FitTarget,
         options: &FitOptions,
     ) -> Result<Fit, FitError> {
-        source.check()?;
-        let combinations: Vec<Combination> = source
-            .affine
-            .iter()
-            .map(|&affine| if affine { options.combination } else { Combination::RT })
-            .collect();
-        let mut transforms =
-            self.previous.clone().unwrap_or(vec![NodeTransform::IDENTITY; source.nodes.len()]);
-        let mut report = FitReport::default();
-        let edge = mean_edge(source.positions, source.faces);
-        let trace = std::env::var("KN_TRACE").is_ok();
-        let env = |name: &str, default: f64| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-        let mut alpha = env("A0", 3.0);
-        let alpha_end = env("A1", options.regularisation);
-        let relax = env("RELAX", 0.4);
-        let tangential = env("TAU", options.tangential);
-        let cosine = env("COS", 0.5);
-        let back = env("BACK", 1.0);
-        let iters = env("ITERS", 8.0) as u64;
-        let mut full = 0;
-        self.update(source, &transforms);
-        let mut last = f64::INFINITY;
-        loop {
-            let t0 = std::time::Instant::now();
-            let pairs = correspond(&self.group, source, &self.deformed, target, full > 0, cosine);
-            let t1 = std::time::Instant::now();
-            let sample = if full > 0 { &self.group.all } else { &self.group.sample };
-            let floor = 0.05 * edge;
-            let (wf, wb) = (
-                (2.0 * quantile(&pairs.forward, 0.95)).max(floor),
-                (2.0 * quantile(&pairs.backward, 0.95)).max(floor),
-            );
-            self.observations.clear();
-            push_matches(source, sample, &pairs.forward, wf, tangential, &mut self.observations);
-            push_matches(source, &target.sample, &pairs.backward, wb, tangential, &mut self.observations);
-            let _ = back;
-            self.group.push_smoothness(source.nodes, alpha, &mut self.observations);
-            let t2 = std::time::Instant::now();
-            self.form.assemble(&self.group.pattern, &self.observations);
-            let t3 = std::time::Instant::now();
-            let energy = Energy {
-                pattern: &self.group.pattern,
-                form: &self.form,
-                combinations: &combinations,
-                orthogonality: options.orthogonality * self.group.spacing * self.group.spacing / source.nodes.len() as f64,
-            };
-            energy.precondition(&self.group.elimination, &transforms, &mut self.factor);
-            let t4 = std::time::Instant::now();
-            let descent = minimise(energy, &self.group.elimination, &self.factor, iters, &mut transforms);
-            let t5 = std::time::Instant::now();
-            let before = std::mem::take(&mut self.deformed.positions);
-            self.update(source, &transforms);
-            let moved: f64 = (before.iter().zip(&self.deformed.positions).map(|(a, b)| distance(*a, *b).powi(2)).sum::<f64>() / before.len() as f64).sqrt();
-            report.steps += 1;
-            report.evaluations += descent.evaluations;
-            let rms = |m: &crate::matching::Matches| (m.iter().flatten().map(|m| m.distance * m.distance).sum::<f64>() / m.len() as f64).sqrt();
-            if trace {
-                let un = |m: &crate::matching::Matches| m.iter().filter(|m| m.is_none()).count() as f64 / m.len() as f64;
-                eprintln!("{:2} a={alpha:.4} full={full} fwd {:.4} un {:.3} bwd {:.4} un {:.3} E {:.5}->{:.5} ev {} moved/edge {:.4} | corr {:.1} push {:.1} asm {:.1} fac {:.1} lbfgs {:.1} deform {:.1} ms", report.steps, rms(&pairs.forward)/edge, un(&pairs.forward), rms(&pairs.backward)/edge, un(&pairs.backward), descent.before, descent.after, descent.evaluations, moved/edge,
-                    (t1-t0).as_secs_f64()*1e3,(t2-t1).as_secs_f64()*1e3,(t3-t2).as_secs_f64()*1e3,(t4-t3).as_secs_f64()*1e3,(t5-t4).as_secs_f64()*1e3,t5.elapsed().as_secs_f64()*1e3);
-            }
-            let now = rms(&pairs.forward) + rms(&pairs.backward);
-            if full > 0 {
-                full += 1;
-                if full > 2 { break; }
-            } else if alpha <= alpha_end && (moved < 0.05 * edge || report.steps >= options.max_steps) {
-                full = 1;
-            } else if now > env("STALL", 0.8) * last || moved < 0.05 * edge {
-                alpha = (alpha * relax).max(alpha_end);
-            }
-            if report.steps >= options.max_steps && full == 0 { full = 1; }
-            last = now;
-        }
+        self.check(source)?;
+        let combinations = combinations(source, options.combination);
+        let frame = Frame { source, target, options, combinations: &combinations };
+        let (transforms, mut report) = self.track(frame)?;
+        self.measure(frame, &mut report)?;
         self.previous = Some(transforms.clone());
         Ok(Fit { transforms, report })
+    }
+
+    /// One fit per combination, with one search for correspondences: the matches come from the
+    /// fit with `options.combination`, then each combination minimises the energy that they leave
+    /// with its own components (the paper: a disabled component is disabled while fitting). The
+    /// next frame starts from the motion of `options.combination`.
+    ///
+    /// # Errors
+    /// Arrays that do not fit together, see [`FitError`].
+    pub fn fit_combinations(
+        &mut self,
+        source: &FitSource,
+        target: &FitTarget,
+        options: &FitOptions,
+        candidates: &[Combination],
+    ) -> Result<Vec<Fit>, FitError> {
+        self.check(source)?;
+        let shared = combinations(source, options.combination);
+        let frame = Frame { source, target, options, combinations: &shared };
+        let (transforms, shared_report) = self.track(frame)?;
+        let mut fits = Vec::with_capacity(candidates.len());
+        for &candidate in candidates {
+            let own = combinations(source, candidate);
+            let frame = Frame { combinations: &own, ..frame };
+            let mut transforms = transforms.clone();
+            let mut report = shared_report.clone();
+            report.evaluations += self.minimise(frame, LAST, &mut transforms);
+            self.deformed.update(source, &transforms);
+            self.measure(frame, &mut report)?;
+            fits.push(Fit { transforms, report });
+        }
+        self.previous = Some(transforms);
+        Ok(fits)
     }
 
     /// `#V × 3`: the source as the last fit deformed it.
@@ -138,9 +142,167 @@ impl Fitter {
         &self.deformed.positions
     }
 
-    fn update(&mut self, source: &FitSource, transforms: &[NodeTransform]) {
-        self.matrices.clear();
-        self.matrices.extend(transforms.iter().map(affine));
-        deform(source, &self.matrices, &mut self.deformed);
+    fn check(&self, source: &FitSource) -> Result<(), FitError> {
+        source.check()?;
+        let (found, expected) = (source.nodes.len(), self.group.pattern.node_count());
+        if found != expected {
+            return Err(FitError::Length { what: "nodes", found, expected });
+        }
+        let (found, expected) = (source.positions.len(), self.group.boundary.len());
+        if found != expected {
+            return Err(FitError::Length { what: "positions", found, expected });
+        }
+        Ok(())
     }
+
+    /// The loop of matching and minimising.
+    fn track(&mut self, frame: Frame) -> Result<(Vec<NodeTransform>, FitReport), FitError> {
+        let Frame { source, target, options, .. } = frame;
+        self.hints.reset(source.positions.len(), target.sample.vertices.len());
+        let mut transforms = self.start(frame);
+        let edge = mean_edge(source.positions, source.faces);
+        let mut schedule = Schedule::new(options.regularisation, options.max_steps);
+        let mut report = FitReport::default();
+        let (mut factored_at, mut kept) = (f64::INFINITY, None);
+        self.deformed.update(source, &transforms);
+        loop {
+            let (stage, keeps) = (schedule.stage, kept.is_some());
+            let matches = self.correspond(frame, stage, kept.take())?;
+            self.assemble(frame, &matches, stage, schedule.regularisation);
+            let refactor = schedule.steps < FIRST_FACTORS
+                || schedule.regularisation < REFACTOR * factored_at;
+            if refactor {
+                factored_at = schedule.regularisation;
+            }
+            // L_orth relaxes together with L_reg.
+            let stiffness = schedule.regularisation / options.regularisation.max(f64::MIN_POSITIVE);
+            let effort = Effort { stiffness, refactor, iterations: ITERATIONS };
+            report.evaluations += self.minimise(frame, effort, &mut transforms);
+            self.deformed.update(source, &transforms);
+            if !schedule.advance(matches.residual(), self.deformed.moved() / edge) {
+                break;
+            }
+            // Matches from the target serve two steps, since they cost a tree over the source.
+            if stage != Stage::Coarse && !keeps {
+                kept = Some(matches.backward);
+            }
+        }
+        report.steps = schedule.steps;
+        report.converged = schedule.converged;
+        Ok((transforms, report))
+    }
+
+    /// Of no motion, the previous frame's motion and the parts' rigid alignments the one with the
+    /// lowest residual.
+    fn start(&mut self, frame: Frame) -> Vec<NodeTransform> {
+        let Frame { source, target, options, combinations } = frame;
+        let mut candidates = vec![vec![NodeTransform::IDENTITY; source.nodes.len()]];
+        candidates.extend(self.previous.iter().map(|motion| restrict(motion, combinations)));
+        if options.part_start != PartStart::Off {
+            let aligned = parts::align(&self.group, source, target, combinations);
+            match aligned {
+                Some(aligned) if options.part_start == PartStart::On => return aligned,
+                aligned => candidates.extend(aligned),
+            }
+        }
+        if candidates.len() == 1 {
+            return candidates.swap_remove(0);
+        }
+        let mut best = (f64::INFINITY, 0);
+        for (number, candidate) in candidates.iter().enumerate() {
+            self.deformed.update(source, candidate);
+            let residual = coarse::correspond(&self.group, &self.deformed, target).residual();
+            if residual < best.0 {
+                best = (residual, number);
+            }
+        }
+        candidates.swap_remove(best.1)
+    }
+
+    fn correspond(
+        &mut self,
+        frame: Frame,
+        stage: Stage,
+        kept: Option<Matches>,
+    ) -> Result<Correspondences, FitError> {
+        let sample = match stage {
+            Stage::Coarse => {
+                return Ok(coarse::correspond(&self.group, &self.deformed, frame.target));
+            }
+            Stage::Sampled => &self.group.sample,
+            Stage::Full => &self.group.all,
+        };
+        let meshes = (frame.source, frame.target);
+        let (deformed, hints) = (&self.deformed, &mut self.hints);
+        Correspondences::on_surfaces(&self.group, sample, meshes, deformed, hints, kept)
+            .map_err(|source| FitError::Tree { mesh: Side::Source, source })
+    }
+
+    /// L_data + α_reg L_reg with these matches.
+    fn assemble(
+        &mut self,
+        frame: Frame,
+        matches: &Correspondences,
+        stage: Stage,
+        regularisation: f64,
+    ) {
+        let own = if stage == Stage::Full { &self.group.all } else { &self.group.sample };
+        let least = LEAST_WIDTH * self.group.spacing;
+        let tangential = frame.options.tangential;
+        self.observations.clear();
+        for (matches, sample) in
+            [(&matches.forward, own), (&matches.backward, &frame.target.sample)]
+        {
+            let width = (WIDTH * quantile(matches, 0.95)).max(least);
+            let (shares, observations) = (&sample.weights, &mut self.observations);
+            push_matches(frame.source, matches, shares, width, tangential, observations);
+        }
+        self.group.push_smoothness(frame.source.nodes, regularisation, &mut self.observations);
+        self.form.assemble(&self.group.pattern, &self.observations);
+    }
+
+    /// Lowers the assembled energy.
+    fn minimise(
+        &mut self,
+        frame: Frame,
+        effort: Effort,
+        transforms: &mut [NodeTransform],
+    ) -> usize {
+        // L_orth has no unit, the other terms are squared lengths: per node, in its spacing.
+        let unit = self.group.spacing * self.group.spacing / transforms.len() as f64;
+        let energy = Energy {
+            pattern: &self.group.pattern,
+            form: &self.form,
+            combinations: frame.combinations,
+            orthogonality: effort.stiffness * frame.options.orthogonality * unit,
+        };
+        let elimination = &self.group.elimination;
+        if effort.refactor {
+            energy.precondition(elimination, transforms, &mut self.factor);
+        }
+        minimise(energy, elimination, &self.factor, effort.iterations, transforms)
+    }
+
+    /// Residuals to the surfaces, and whether they say that something is missing.
+    fn measure(&mut self, frame: Frame, report: &mut FitReport) -> Result<(), FitError> {
+        let matches = self.correspond(frame, Stage::Full, None)?;
+        report.measure(&self.group, frame.target, &matches);
+        Ok(())
+    }
+}
+
+/// What each node may do.
+fn combinations(source: &FitSource, affine: Combination) -> Vec<Combination> {
+    source.affine.iter().map(|&a| if a { affine } else { Combination::RT }).collect()
+}
+
+/// Transforms with what the combinations do not have at its neutral value.
+fn restrict(transforms: &[NodeTransform], combinations: &[Combination]) -> Vec<NodeTransform> {
+    let restrict = |(transform, combination): (&NodeTransform, &Combination)| NodeTransform {
+        rotation: if combination.rotation { transform.rotation } else { [0.0; 3] },
+        scale: if combination.scale { transform.scale } else { [1.0; 3] },
+        shear: if combination.shear { transform.shear } else { [0.0; 3] },
+        translation: transform.translation,
+    };
+    transforms.iter().zip(combinations).map(restrict).collect()
 }

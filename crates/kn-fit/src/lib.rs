@@ -7,6 +7,8 @@
 
 mod affine;
 mod cholesky;
+mod coarse;
+mod deformed;
 mod energy;
 mod error;
 mod fitter;
@@ -16,12 +18,14 @@ mod matching;
 mod node_graph;
 mod options;
 mod orthogonality;
+mod parts;
 mod pattern;
 mod place;
 mod quadratic;
 mod register;
 mod report;
 mod sample;
+mod schedule;
 mod source;
 mod surface;
 mod target;

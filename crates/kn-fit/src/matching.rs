@@ -1,101 +1,163 @@
 //! Correspondences between the deformed source and the target.
 
+use crate::deformed::Deformed;
 use crate::group::{Group, Levers};
 use crate::quadratic::{Metric, Observations};
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::target::{FitTarget, on_boundary, smooth_normal};
-use crate::vec3::{Vec3, add, dot, norm, sub, unit};
-use kn_metrics::TriangleTree;
+use crate::vec3::{Vec3, add, dot, sub, unit};
+use kn_metrics::{TreeError, TriangleTree};
 use rayon::prelude::*;
 
 /// Points per unit of parallel work.
 const CHUNK: usize = 256;
 
-/// The deformed source.
-#[derive(Debug, Default)]
-pub(crate) struct Deformed {
-    pub(crate) positions: Vec<Vec3>,
-    pub(crate) normals: Vec<Vec3>,
-}
-
-/// A point that found a partner on the other mesh.
+/// A point and the closest one of the other mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Match {
     /// Where it is on the source: face and barycentric weights, or a vertex in all three corners.
-    corners: [u32; 3],
-    barycentric: Vec3,
+    pub(crate) corners: [u32; 3],
+    pub(crate) barycentric: Vec3,
     /// The point of the target.
-    point: Vec3,
+    pub(crate) point: Vec3,
     /// The unit normal along which the distance counts fully.
-    normal: Vec3,
+    pub(crate) normal: Vec3,
     pub(crate) distance: f64,
+    /// Whether normals and borders let it count.
+    pub(crate) accepted: bool,
 }
 
-/// The matches of the points of one sample; `None` where normal or border speak against one.
-pub(crate) type Matches = Vec<Option<Match>>;
+/// The face that each point was matched to last: the next search starts there.
+#[derive(Debug, Default)]
+pub(crate) struct Hints {
+    /// By vertex of the source.
+    forward: Vec<u32>,
+    /// By sample of the target.
+    backward: Vec<u32>,
+}
+
+impl Hints {
+    /// Forgets another frame's faces.
+    pub(crate) fn reset(&mut self, vertex_count: usize, target_samples: usize) {
+        self.forward.clear();
+        self.forward.resize(vertex_count, u32::MAX);
+        self.backward.clear();
+        self.backward.resize(target_samples, u32::MAX);
+    }
+}
+
+/// The matches of the points of one sample.
+pub(crate) type Matches = Vec<Match>;
+
+/// The cosine between the normals of a pair below which it does not count.
+const LEAST_COSINE: f64 = 0.2;
 
 /// From vertices of the deformed source to the closest points of the target's surface.
 pub(crate) fn to_target(
     sample: &Sample,
     deformed: &Deformed,
     target: &FitTarget,
-    least_cosine: f64,
+    hints: &mut [u32],
 ) -> Matches {
     let find = |&vertex: &u32| {
         let position = deformed.positions[vertex as usize];
         let own = deformed.normals[vertex as usize];
-        let closest = target.tree.closest(position);
+        let closest = target.tree.closest_from(position, hints[vertex as usize]);
         let face = target.faces[closest.face as usize];
         let normal = smooth_normal(&target.normals, face, closest.barycentric);
-        let rejected = dot(normal, own) < least_cosine
-            || on_boundary(&target.boundary, face, closest.barycentric);
-        (!rejected).then(|| Match {
+        let found = Match {
             corners: [vertex; 3],
             barycentric: [1.0, 0.0, 0.0],
             point: closest.point,
             normal: unit(add(normal, own)),
-            distance: norm(sub(position, closest.point)),
-        })
+            distance: closest.distance_squared.sqrt(),
+            accepted: dot(normal, own) >= LEAST_COSINE
+                && !on_boundary(&target.boundary, face, closest.barycentric),
+        };
+        (found, closest.face)
     };
-    sample.vertices.par_iter().with_min_len(CHUNK).map(find).collect()
+    let (matches, faces): (Matches, Vec<u32>) =
+        sample.vertices.par_iter().with_min_len(CHUNK).map(find).unzip();
+    sample.vertices.iter().zip(faces).for_each(|(&vertex, face)| hints[vertex as usize] = face);
+    matches
 }
 
 /// From vertices of the target to the closest points of the deformed source's surface.
 pub(crate) fn to_source(
-    sample: &Sample,
+    target: &FitTarget,
     deformed: &Deformed,
     faces: &[[u32; 3]],
     boundary: &[bool],
-    target: &FitTarget,
-    least_cosine: f64,
-) -> Matches {
-    let Ok(tree) = TriangleTree::new(&deformed.positions, faces) else {
-        // A source that was torn to infinity matches nothing.
-        return vec![None; target.sample.vertices.len()];
-    };
-    let find = |&vertex: &u32| {
+    hints: &mut [u32],
+) -> Result<Matches, TreeError> {
+    let tree = TriangleTree::new(&deformed.positions, faces)?;
+    let find = |(&vertex, hint): (&u32, &mut u32)| {
         let position = target.positions[vertex as usize];
         let own = target.normals[vertex as usize];
-        let closest = tree.closest(position);
+        let closest = tree.closest_from(position, *hint);
+        *hint = closest.face;
         let face = faces[closest.face as usize];
         let normal = smooth_normal(&deformed.normals, face, closest.barycentric);
-        let rejected =
-            dot(normal, own) < least_cosine || on_boundary(boundary, face, closest.barycentric);
-        (!rejected).then(|| Match {
+        Match {
             corners: face,
             barycentric: closest.barycentric,
             point: position,
             normal: unit(add(normal, own)),
-            distance: norm(sub(position, closest.point)),
-        })
+            distance: closest.distance_squared.sqrt(),
+            accepted: dot(normal, own) >= LEAST_COSINE
+                && !on_boundary(boundary, face, closest.barycentric),
+        }
     };
-    sample.vertices.par_iter().with_min_len(CHUNK).map(find).collect()
+    let vertices = &target.sample.vertices;
+    Ok(vertices.par_iter().zip(hints).with_min_len(CHUNK).map(find).collect())
 }
 
-/// The distance that a share `quantile` of the matches does not exceed; 0 without matches.
-pub(crate) fn quantile(matches: &Matches, quantile: f64) -> f64 {
-    let mut distances: Vec<f64> = matches.iter().flatten().map(|m| m.distance).collect();
+/// Both directions.
+#[derive(Debug)]
+pub(crate) struct Correspondences {
+    pub(crate) forward: Matches,
+    pub(crate) backward: Matches,
+}
+
+impl Correspondences {
+    /// Closest points of the surfaces, from `sample` of the source and from the target's sample.
+    /// `kept` are earlier matches from the target, which save building a tree over the source.
+    pub(crate) fn on_surfaces(
+        group: &Group,
+        sample: &Sample,
+        frame: (&FitSource, &FitTarget),
+        deformed: &Deformed,
+        hints: &mut Hints,
+        kept: Option<Matches>,
+    ) -> Result<Self, TreeError> {
+        let (source, target) = frame;
+        let Hints { forward, backward } = hints;
+        let (forward, backward) = rayon::join(
+            || to_target(sample, deformed, target, forward),
+            || match kept {
+                Some(kept) => Ok(kept),
+                None => to_source(target, deformed, source.faces, &group.boundary, backward),
+            },
+        );
+        Ok(Self { forward, backward: backward? })
+    }
+
+    /// The sum of both root mean squares.
+    pub(crate) fn residual(&self) -> f64 {
+        root_mean_square(&self.forward) + root_mean_square(&self.backward)
+    }
+}
+
+fn root_mean_square(matches: &[Match]) -> f64 {
+    let sum: f64 = matches.iter().filter(|m| m.accepted).map(|m| m.distance * m.distance).sum();
+    (sum / matches.len().max(1) as f64).sqrt()
+}
+
+/// The distance that a share `quantile` of the accepted matches does not exceed; 0 without any.
+pub(crate) fn quantile(matches: &[Match], quantile: f64) -> f64 {
+    let accepted = matches.iter().filter(|m| m.accepted);
+    let mut distances: Vec<f64> = accepted.map(|m| m.distance).collect();
     if distances.is_empty() {
         return 0.0;
     }
@@ -126,15 +188,14 @@ fn metric(normal: Vec3, tangential: f64, weight: f64) -> Metric {
 /// Adds L_data of one direction: every match as an observation of its point's nodes.
 pub(crate) fn push_matches(
     source: &FitSource,
-    sample: &Sample,
-    matches: &Matches,
+    matches: &[Match],
+    shares: &[f64],
     width: f64,
     tangential: f64,
     observations: &mut Observations,
 ) {
     let mut levers = Levers::default();
-    for (found, &share) in matches.iter().zip(&sample.weights) {
-        let Some(found) = found else { continue };
+    for (found, &share) in matches.iter().zip(shares).filter(|(found, _)| found.accepted) {
         levers.clear();
         for corner in 0..3 {
             if found.barycentric[corner] > 0.0 {
@@ -147,64 +208,23 @@ pub(crate) fn push_matches(
     }
 }
 
-/// Moves all vertices and finds their normals.
-pub(crate) fn deform(
-    source: &FitSource,
-    matrices: &[crate::affine::Affine],
-    deformed: &mut Deformed,
-) {
-    let q = source.influence.nodes_per_vertex;
-    deformed.positions.resize(source.positions.len(), [0.0; 3]);
-    deformed.positions.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-        for (offset, out) in out.iter_mut().enumerate() {
-            let vertex = chunk * CHUNK + offset;
-            let x = source.positions[vertex];
-            let mut sum = [0.0; 3];
-            for slot in vertex * q..(vertex + 1) * q {
-                let node = usize::from(source.influence.nodes[slot]);
-                let (weight, origin, m) =
-                    (source.influence.weights[slot], source.nodes[node], &matrices[node]);
-                let d = sub(x, origin);
-                for (axis, sum) in sum.iter_mut().enumerate() {
-                    let row = &m[axis];
-                    let moved = row[0] * d[0] + row[1] * d[1] + row[2] * d[2] + row[3];
-                    *sum += weight * (moved + origin[axis]);
-                }
-            }
-            *out = sum;
-        }
-    });
-    crate::surface::vertex_normals(&deformed.positions, source.faces, &mut deformed.normals);
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Both directions at once.
-pub(crate) struct Correspondences {
-    pub(crate) forward: Matches,
-    pub(crate) backward: Matches,
-}
+    #[test]
+    fn the_metric_counts_a_little_across_the_normal() {
+        let [xx, yy, zz, xy, xz, yz] = metric([0.6, 0.0, 0.8], 0.1, 2.0);
+        let along = 0.36 * xx + 0.64 * zz + 2.0 * 0.48 * xz;
+        assert!((along - 2.0).abs() < 1e-12);
+        assert!((yy - 0.2).abs() < 1e-12);
+        assert_eq!((xy, yz), (0.0, 0.0));
+    }
 
-/// Matches both ways; `full` takes every vertex of the source instead of its sample.
-pub(crate) fn correspond(
-    group: &Group,
-    source: &FitSource,
-    deformed: &Deformed,
-    target: &FitTarget,
-    full: bool,
-    least_cosine: f64,
-) -> Correspondences {
-    let sample = if full { &group.all } else { &group.sample };
-    let (forward, backward) = rayon::join(
-        || to_target(sample, deformed, target, least_cosine),
-        || {
-            to_source(
-                &target.sample,
-                deformed,
-                source.faces,
-                &group.boundary,
-                target,
-                least_cosine,
-            )
-        },
-    );
-    Correspondences { forward, backward }
+    #[test]
+    fn far_matches_count_little() {
+        assert_eq!(robust_weight(0.0, 1.0), 1.0);
+        assert_eq!(robust_weight(1.0, 1.0), 0.25);
+        assert!(robust_weight(3.0, 1.0) < 0.011);
+    }
 }

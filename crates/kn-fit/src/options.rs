@@ -27,8 +27,6 @@ pub struct FitOptions {
     pub orthogonality: f64,
     /// Weight of a residual's tangential part; the part along the normal has weight 1.
     pub tangential: f64,
-    /// Points sampled on either mesh for the passes before the last ones.
-    pub samples: usize,
     /// Bound on the correspondence steps.
     pub max_steps: usize,
     /// Whether labelled parts are aligned first.
@@ -38,11 +36,10 @@ pub struct FitOptions {
 impl Default for FitOptions {
     fn default() -> Self {
         Self {
-            combination: Combination { rotation: true, scale: true, shear: true },
-            regularisation: 0.05,
-            orthogonality: 0.05,
+            combination: Combination::RTSH,
+            regularisation: 0.005,
+            orthogonality: 0.001,
             tangential: 0.05,
-            samples: 3000,
             max_steps: 40,
             part_start: PartStart::Auto,
         }

@@ -70,8 +70,7 @@ mod tests {
     fn slopes_match_finite_differences() {
         let d: Affine = [[0.3, -0.2, 0.5, 0.0], [0.1, 0.4, 0.0, 1.0], [0.2, 0.2, -0.7, 0.0]];
         let residuals = |t: f64| {
-            let m: Affine =
-                std::array::from_fn(|i| std::array::from_fn(|j| M[i][j] + t * d[i][j]));
+            let m: Affine = std::array::from_fn(|i| std::array::from_fn(|j| M[i][j] + t * d[i][j]));
             let mut list = Vec::new();
             for i in 0..3 {
                 for j in i..3 {

@@ -132,7 +132,9 @@ impl QuadraticForm {
         gradient.fill(ZERO);
         for node in 0..pattern.node_count() {
             let mut own = ZERO;
-            for (block, &column) in self.blocks[pattern.range(node)].iter().zip(pattern.columns(node)) {
+            for (block, &column) in
+                self.blocks[pattern.range(node)].iter().zip(pattern.columns(node))
+            {
                 let column = usize::from(column);
                 multiply(block, &m[column], &mut own);
                 if column != node {

@@ -52,13 +52,9 @@ pub fn register(
     options: &RegisterOptions,
 ) -> Result<Registration, FitError> {
     check_mesh(source_positions, source_faces, Side::Source)?;
-    let trace = std::env::var("KN_TRACE").is_ok();
-    let t0 = std::time::Instant::now();
     let chosen = place_farthest(source_positions, source_faces, None, options.nodes)?;
     let nodes: Vec<[f64; 3]> = chosen.iter().map(|&v| source_positions[v as usize]).collect();
-    let t1 = std::time::Instant::now();
     let influence = influence(source_positions, &nodes)?;
-    let t2 = std::time::Instant::now();
     let affine = vec![false; nodes.len()];
     let source = FitSource {
         positions: source_positions,
@@ -69,13 +65,8 @@ pub fn register(
         labels: None,
     };
     let mut fitter = Fitter::new(&source)?;
-    let t3 = std::time::Instant::now();
     let target = FitTarget::new(target_positions, target_faces)?;
-    let t4 = std::time::Instant::now();
     let fit = fitter.fit_frame(&source, &target, &options.fit)?;
-    if trace {
-        eprintln!("place {:?} bind {:?} fitter {:?} target {:?} fit {:?}", t1-t0, t2-t1, t3-t2, t4-t3, t4.elapsed());
-    }
     let positions = fitter.deformed().to_vec();
     Ok(Registration { positions, nodes, transforms: fit.transforms, report: fit.report })
 }

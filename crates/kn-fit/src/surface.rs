@@ -1,16 +1,11 @@
 //! Areas, normals, borders and edges of a triangle mesh.
 
-use crate::vec3::{Vec3, add, cross, norm, scale, sub, unit};
+use crate::vec3::{Vec3, add, cross, norm, sub, unit};
 
 /// Twice the area of a face, along its normal.
 pub(crate) fn face_cross(positions: &[Vec3], face: [u32; 3]) -> Vec3 {
     let [a, b, c] = face.map(|v| positions[v as usize]);
     cross(sub(b, a), sub(c, a))
-}
-
-/// `#F` unit normals; zero for a degenerate face.
-pub(crate) fn face_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
-    faces.iter().map(|&face| unit(face_cross(positions, face))).collect()
 }
 
 /// `#V` unit normals, faces weighted by area; zero where a vertex has no face with an area.
@@ -71,9 +66,15 @@ pub(crate) fn boundary_vertices(vertex_count: usize, edges: &[(u32, u32, u32)]) 
     boundary
 }
 
-/// The point of a face with the given barycentric coordinates.
-pub(crate) fn point_on(positions: &[Vec3], face: [u32; 3], barycentric: Vec3) -> Vec3 {
-    (0..3).fold([0.0; 3], |sum, corner| {
-        add(sum, scale(positions[face[corner] as usize], barycentric[corner]))
-    })
+/// The diagonal of the axis-aligned box.
+pub(crate) fn diagonal(positions: &[Vec3]) -> f64 {
+    let side = |axis: usize| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for position in positions {
+            low = low.min(position[axis]);
+            high = high.max(position[axis]);
+        }
+        high - low
+    };
+    norm([side(0), side(1), side(2)])
 }

@@ -3,7 +3,7 @@
 use crate::error::{FitError, Side};
 use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
-use crate::surface::{boundary_vertices, edges, vertex_areas, vertex_normals};
+use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
 use crate::vec3::{Vec3, add, scale, unit};
 use kn_metrics::TriangleTree;
 
@@ -19,6 +19,8 @@ pub struct FitTarget {
     pub(crate) normals: Vec<Vec3>,
     pub(crate) boundary: Vec<bool>,
     pub(crate) sample: Sample,
+    /// Diagonal of the box.
+    pub(crate) diagonal: f64,
     pub(crate) labels: Option<Vec<u8>>,
 }
 
@@ -37,10 +39,11 @@ impl FitTarget {
         vertex_normals(positions, faces, &mut normals);
         Ok(Self {
             tree: TriangleTree::new(positions, faces)
-                .map_err(|_| FitError::NoSurface { mesh: Side::Target })?,
+                .map_err(|source| FitError::Tree { mesh: Side::Target, source })?,
             normals,
             boundary: boundary_vertices(positions.len(), &edges(faces)),
             sample: Sample::spread(positions, &areas, SAMPLES),
+            diagonal: diagonal(positions),
             positions: positions.to_vec(),
             faces: faces.to_vec(),
             labels: None,

@@ -1,0 +1,111 @@
+//! How a fit goes from stiff and coarse to relaxed and exact.
+
+/// Which matches a step works with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Samples, nearest in position and normal together.
+    Coarse,
+    /// Samples to the closest points of the other surface.
+    Sampled,
+    /// Every vertex of the source, samples of the target.
+    Full,
+}
+
+/// α_reg of the first steps: the source moves almost like one body.
+const STIFF: f64 = 3.0;
+/// α_reg shrinks to this share when a step gains little.
+const RELAXATION: f64 = 0.4;
+/// A step gains little when the residual stays above this share of the last one.
+const STALL: f64 = 0.8;
+/// ... or when the surface moves by less than this share of an edge.
+const STILL: f64 = 0.05;
+/// Steps before matches are looked for on the surface.
+const COARSE_STEPS: usize = 5;
+/// Steps with every vertex.
+const FULL_STEPS: usize = 2;
+
+/// The state of the schedule.
+#[derive(Debug)]
+pub(crate) struct Schedule {
+    pub(crate) stage: Stage,
+    /// α_reg of the next step.
+    pub(crate) regularisation: f64,
+    /// Steps taken.
+    pub(crate) steps: usize,
+    /// Whether the samples came to rest before the full steps.
+    pub(crate) converged: bool,
+    final_regularisation: f64,
+    max_steps: usize,
+    full_steps: usize,
+    last_residual: f64,
+}
+
+impl Schedule {
+    pub(crate) fn new(final_regularisation: f64, max_steps: usize) -> Self {
+        Self {
+            stage: Stage::Coarse,
+            regularisation: STIFF.max(final_regularisation),
+            steps: 0,
+            converged: false,
+            final_regularisation,
+            max_steps: max_steps.max(FULL_STEPS),
+            full_steps: 0,
+            last_residual: f64::INFINITY,
+        }
+    }
+
+    /// Takes note of a step: the residual that it started from and how far it moved the surface,
+    /// in mean edges. Whether there is another one.
+    pub(crate) fn advance(&mut self, residual: f64, moved: f64) -> bool {
+        self.steps += 1;
+        let relaxed = self.regularisation <= self.final_regularisation;
+        match self.stage {
+            Stage::Full => self.full_steps += 1,
+            _ if relaxed && moved < STILL && self.stage == Stage::Sampled => {
+                self.converged = true;
+                self.stage = Stage::Full;
+            }
+            _ if self.steps + FULL_STEPS >= self.max_steps => self.stage = Stage::Full,
+            _ => {
+                if moved < STILL || residual > STALL * self.last_residual {
+                    let relaxed = RELAXATION * self.regularisation;
+                    self.regularisation = relaxed.max(self.final_regularisation);
+                }
+                if self.steps >= COARSE_STEPS {
+                    self.stage = Stage::Sampled;
+                }
+            }
+        }
+        self.last_residual = residual;
+        self.full_steps < FULL_STEPS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_rests_ends_with_full_steps() {
+        let mut schedule = Schedule::new(0.01, 100);
+        let mut stages = vec![schedule.stage];
+        while schedule.advance(1.0, 0.0) {
+            stages.push(schedule.stage);
+        }
+        assert_eq!(stages[..COARSE_STEPS], [Stage::Coarse; COARSE_STEPS]);
+        assert_eq!(stages[stages.len() - FULL_STEPS..], [Stage::Full; FULL_STEPS]);
+        assert!(schedule.converged);
+        assert_eq!(schedule.regularisation, 0.01);
+    }
+
+    #[test]
+    fn a_fit_that_never_rests_ends_too() {
+        let mut schedule = Schedule::new(0.01, 12);
+        let mut residual = 1.0;
+        while schedule.advance(residual, 10.0) {
+            residual *= 0.5;
+        }
+        assert_eq!(schedule.steps, 12);
+        assert!(!schedule.converged);
+    }
+}
