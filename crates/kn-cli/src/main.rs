@@ -6,6 +6,7 @@ mod interrupt;
 mod output;
 mod picture;
 mod progress;
+mod stream;
 mod table;
 
 use anyhow::Context;
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
 /// Threads and Ctrl-C, before any work.
 fn prepare(global: &Global) -> anyhow::Result<()> {
     interrupt::install()?;
-    let threads = global.threads.map_or(0, usize::from);
+    let threads = global.threads.map_or(0, |threads| usize::from(threads.get()));
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build_global()

@@ -42,7 +42,10 @@ fn write_beside<T>(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<T>) 
     Ok(value)
 }
 
-fn fill_and_flush<T>(file: impl Write, fill: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
+fn fill_and_flush<T>(
+    file: impl Write,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<T> {
     let mut writer = BufWriter::with_capacity(1 << 16, file);
     let value = fill(&mut writer)?;
     writer.flush()?;

@@ -113,7 +113,8 @@ mod tests {
 
     #[test]
     fn every_character_looks_different_and_fits_its_cell() {
-        let characters = ('A'..='Z').chain('a'..='z').chain('0'..='9').chain(".,:;-+=_/%()#<>×".chars());
+        let characters =
+            ('A'..='Z').chain('a'..='z').chain('0'..='9').chain(".,:;-+=_/%()#<>×".chars());
         let mut seen = HashSet::new();
         for character in characters {
             let shape: Vec<_> = dots(character).collect();

@@ -150,8 +150,9 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
         let [a, b, c] = face.map(|vertex| mesh.positions[vertex as usize]);
         let (u, v): ([f32; 3], [f32; 3]) =
             (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
-        let cross: [f32; 3] =
-            std::array::from_fn(|i| u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+        let cross: [f32; 3] = std::array::from_fn(|i| {
+            u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]
+        });
         for &vertex in face {
             let normal = &mut normals[vertex as usize];
             *normal = std::array::from_fn(|i| normal[i] + cross[i]);

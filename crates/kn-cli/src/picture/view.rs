@@ -26,11 +26,7 @@ impl View {
         let extent = |axis: usize| ((bounds.max[axis] - bounds.min[axis]) / 2.0) as f32;
         // The box's shadow on a picture axis is the sum of its sides' shadows.
         let shadow = |axis: [f32; 3]| (0..3).map(|i| axis[i].abs() * extent(i)).sum();
-        Self {
-            axes,
-            centre: std::array::from_fn(middle),
-            half: [shadow(axes[0]), shadow(axes[1])],
-        }
+        Self { axes, centre: std::array::from_fn(middle), half: [shadow(axes[0]), shadow(axes[1])] }
     }
 
     /// Pixels per world unit in a picture of this size.
