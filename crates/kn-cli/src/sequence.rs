@@ -9,7 +9,6 @@ use kn_mesh::{BoundingBox, Mesh, clean};
 use std::path::{Path, PathBuf};
 
 /// A sequence that can be read as often as needed.
-#[derive(Debug)]
 pub(crate) enum Sequence {
     Scans { inputs: Inputs, clean: bool },
     Stream(PathBuf),

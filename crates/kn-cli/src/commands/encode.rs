@@ -121,9 +121,9 @@ fn encode(
         encoder.drain_reports().for_each(|frame| report.coded(frame));
         bar.step();
     }
-    let (summary, reports) = encoder.finish()?;
-    reports.into_iter().for_each(|frame| report.coded(frame));
-    Ok(summary)
+    let finished = encoder.finish()?;
+    finished.reports.into_iter().for_each(|frame| report.coded(frame));
+    Ok(finished.summary)
 }
 
 impl EncodeArguments {
