@@ -3,7 +3,7 @@
 
 use crate::interrupt::Unfinished;
 use anyhow::{Context, Result};
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,8 @@ fn fill_and_flush<T>(
     Ok(value)
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder that holds `path`.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -104,6 +105,11 @@ impl OutputFolder {
     pub(crate) fn place(&mut self, name: &str) -> PathBuf {
         self.names.push(name.to_owned());
         self.staging.path().join(name)
+    }
+
+    /// Where the file of that name will be at the end.
+    pub(crate) fn target(&self, name: &str) -> PathBuf {
+        self.made.folder.join(name)
     }
 
     /// Puts all files in place, over files of the same names, and returns their number.

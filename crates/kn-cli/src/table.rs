@@ -1,11 +1,16 @@
 //! Tables on standard output.
 
+use comfy_table::{LineStyle, TableStyle};
 use comfy_table::{CellAlignment, Table};
+
+/// One line below the titles and nothing else: rows can be read and copied.
+const STYLE: TableStyle =
+    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
 /// A table with these column titles; all columns but the first are aligned to the right.
 pub(crate) fn table(titles: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(STYLE);
     table.set_header(titles.iter().copied());
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);

@@ -1,18 +1,18 @@
 //! `kn decode`: a .knm file in, meshes out.
 
+mod sink;
+
 use crate::arguments::{FrameRange, Global};
-use crate::output::OutputFolder;
 use crate::stream::{self, Source};
 use crate::{Outcome, progress};
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use kn_codec::{DecodeErrorKind, Decoder};
 use kn_mesh::Mesh;
-use kn_mesh::io::write_mesh;
-use std::collections::HashSet;
+use sink::Sink;
 use std::path::PathBuf;
 
-/// Decode a .knm file into meshes, one file a frame
+/// Decode a .knm file into meshes
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Files are called like the encoder's input where the stream knows those names, else frame_0000 and
@@ -21,14 +21,15 @@ so on. The files appear together at the end: after an error none is there.
 Examples:
   kn decode dance.knm -o out/
   kn decode dance.knm -o out/ --format ply --frames 3..7
+  kn decode dance.knm -o dance.glb
   kn decode half.knm -o out/ --partial
   curl -s https://example.org/dance.knm | kn decode - -o out/")]
 pub(crate) struct DecodeArguments {
     /// The stream; - is standard input
     #[arg(value_name = "FILE")]
     input: PathBuf,
-    /// The folder for the meshes; made where it does not exist
-    #[arg(short, long, value_name = "FOLDER")]
+    /// The folder for the meshes, made where it does not exist; or a .glb file for all frames
+    #[arg(short, long, value_name = "FOLDER|FILE.glb")]
     output: PathBuf,
     /// Format of the meshes; PLY carries the labels
     #[arg(long, value_enum, default_value_t = Format::Obj)]
@@ -43,8 +44,11 @@ pub(crate) struct DecodeArguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
+    /// Wavefront OBJ
     Obj,
+    /// Stanford PLY, binary
     Ply,
+    /// glTF 2.0, binary
     Glb,
 }
 
@@ -61,28 +65,44 @@ impl Format {
 /// Runs the command.
 pub(crate) fn run(arguments: &DecodeArguments, global: &Global) -> Result<Outcome> {
     let mut decoder = stream::open(&arguments.input)?;
-    let mut folder = OutputFolder::create(&arguments.output)?;
-    arguments.decode(&mut decoder, &mut folder, global)?;
-    let files = folder.publish()?;
-    global.note(format_args!("{}: {files} files written", arguments.output.display()));
+    let mut sink = arguments.sink(&decoder)?;
+    let bar = progress::bar(global, "decoding", None);
+    let mut frames = 0;
+    arguments.decode(&mut decoder, global, |index, name, mesh| {
+        sink.push(index, name, mesh)?;
+        frames += 1;
+        bar.step();
+        Ok(())
+    })?;
+    drop(bar);
+    let files = sink.finish()?;
+    let output = arguments.output.display();
+    global.note(format_args!("{output}: {frames} frames in {files} files"));
     Ok(Outcome::Good)
 }
 
 impl DecodeArguments {
-    /// Writes the frames that were asked for.
+    fn sink(&self, decoder: &Decoder<Source>) -> Result<Sink> {
+        let is_glb = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        if is_glb && !self.output.is_dir() {
+            let rate = decoder.stream().header().map_or([30, 1], |header| header.frame_rate);
+            return Sink::animation(&self.output, f64::from(rate[0]) / f64::from(rate[1]));
+        }
+        Sink::files(&self.output, self.format.extension())
+    }
+
+    /// Hands the frames that were asked for to `take`: index, name in the stream, mesh.
     fn decode(
         &self,
         decoder: &mut Decoder<Source>,
-        folder: &mut OutputFolder,
         global: &Global,
+        mut take: impl FnMut(u64, Option<String>, &Mesh) -> Result<()>,
     ) -> Result<()> {
         let name = stream::name_of(&self.input);
         // A file that ends early has no index to seek by.
         if self.frames.first() > 0 && !self.partial {
             decoder.seek(self.frames.first()).with_context(|| name.clone())?;
         }
-        let bar = progress::bar(global, "decoding", None);
-        let mut names = FileNames::new(self.format);
         let mut mesh = Mesh::default();
         let mut last = None;
         while last.is_none_or(|last| last < self.frames.last()) {
@@ -97,10 +117,7 @@ impl DecodeArguments {
             };
             last = Some(info.index);
             if self.frames.contains(info.index) {
-                let file = names.name(decoder.stream().frame_name(), info.index);
-                write_mesh(&folder.place(&file), &mesh)
-                    .with_context(|| format!("{}: frame {}", self.output.display(), info.index))?;
-                bar.step();
+                take(info.index, decoder.stream().frame_name(), &mesh)?;
             }
         }
         let found = last.is_some_and(|last| last >= self.frames.first());
@@ -111,40 +128,4 @@ impl DecodeArguments {
 
 fn is_early_end(kind: &DecodeErrorKind) -> bool {
     matches!(kind, DecodeErrorKind::Truncated { .. })
-}
-
-/// Gives every frame a file name of its own.
-struct FileNames {
-    format: Format,
-    taken: HashSet<String>,
-}
-
-impl FileNames {
-    fn new(format: Format) -> Self {
-        Self { format, taken: HashSet::new() }
-    }
-
-    /// The name in the stream, where it has one that no other frame has; else by the index.
-    fn name(&mut self, in_stream: Option<String>, index: u64) -> String {
-        let plain = format!("frame_{index:04}");
-        let usable = in_stream.filter(|name| !name.is_empty() && !self.taken.contains(name));
-        let name = usable.unwrap_or(plain);
-        let file = format!("{name}.{}", self.format.extension());
-        self.taken.insert(name);
-        file
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_of_one_name_do_not_overwrite_each_other() {
-        let mut names = FileNames::new(Format::Ply);
-        assert_eq!(names.name(Some("walk_7".into()), 0), "walk_7.ply");
-        assert_eq!(names.name(Some("walk_7".into()), 1), "frame_0001.ply");
-        assert_eq!(names.name(Some(String::new()), 2), "frame_0002.ply");
-        assert_eq!(names.name(None, 3), "frame_0003.ply");
-    }
 }

@@ -5,7 +5,7 @@ use crate::stream::{self, Source};
 use crate::table::{grouped, table};
 use anyhow::{Context, Result};
 use kn_bitstream::{InfluenceMode, LabelSet, SequenceHeader, WeightScheme};
-use kn_codec::{Decoder, FrameInfo, FrameKind};
+use kn_codec::{Decoder, FrameInfo};
 use kn_mesh::Mesh;
 use serde::Serialize;
 use std::io::{self, Write};
