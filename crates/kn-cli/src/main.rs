@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         // Whoever reads our output has seen enough (`kn dump x.knm | head`).
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("kn: error: {error:#}");
+            eprintln!("kn: error: {}", message(&error));
             ExitCode::from(ERROR)
         }
     }
@@ -59,4 +59,17 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
             .downcast_ref::<io::Error>()
             .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
     })
+}
+
+/// The chain of causes in one line; a cause that its context has already told is not repeated.
+fn message(error: &anyhow::Error) -> String {
+    let mut message = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if message.is_empty() {
+            message = cause;
+        } else if !message.ends_with(&cause) {
+            message = format!("{message}: {cause}");
+        }
+    }
+    message
 }

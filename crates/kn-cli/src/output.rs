@@ -14,42 +14,66 @@ pub(crate) fn is_dash(path: &Path) -> bool {
 
 /// Writes a file through `fill`: into a temporary file in the same folder that is renamed at the
 /// end. `-` and what is no regular file (a pipe, a device) are written to directly.
+///
+/// Errors of the output name it; errors that `fill` has of its own are left as they are.
 pub(crate) fn write_file<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T>,
 ) -> Result<T> {
     if is_dash(path) {
-        return fill_and_flush(io::stdout().lock(), fill).context("standard output");
+        return fill_and_flush(io::stdout().lock(), Path::new("standard output"), fill);
     }
     let special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     if special {
-        let file = fs::OpenOptions::new().write(true).open(path);
-        return file
-            .map_err(Into::into)
-            .and_then(|file| fill_and_flush(file, fill))
-            .with_context(|| path.display().to_string());
+        let file = fs::OpenOptions::new().write(true).open(path).with_context(|| named(path))?;
+        return fill_and_flush(file, path, fill);
     }
-    write_beside(path, fill)
+    let (temporary, unfinished) = Unfinished::begin(|| temporary_beside(path), |file| file.path())
+        .with_context(|| named(path))?;
+    let value = fill_and_flush(temporary.as_file(), path, fill)?;
+    let persisted = unfinished.finish(|| temporary.persist(path));
+    persisted.map_err(|failed| failed.error).with_context(|| named(path))?;
+    Ok(value)
 }
 
-fn write_beside<T>(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
-    let name = || path.display().to_string();
-    let create = || plain_permissions(&mut temporary_name()).tempfile_in(folder_of(path));
-    let (temporary, unfinished) =
-        Unfinished::begin(create, |file| file.path()).map_err(without_path).with_context(name)?;
-    let value = fill_and_flush(temporary.as_file(), fill)?;
-    unfinished.finish(|| temporary.persist(path)).map_err(|e| e.error).with_context(name)?;
-    Ok(value)
+fn named(path: &Path) -> String {
+    path.display().to_string()
 }
 
 fn fill_and_flush<T>(
     file: impl Write,
+    path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T>,
 ) -> Result<T> {
-    let mut writer = BufWriter::with_capacity(1 << 16, file);
-    let value = fill(&mut writer)?;
-    writer.flush()?;
-    Ok(value)
+    let mut writer = BufWriter::with_capacity(1 << 16, Watched { file, failed: false });
+    let filled = fill(&mut writer).and_then(|value| {
+        writer.flush()?;
+        Ok(value)
+    });
+    let failed = writer.get_ref().failed;
+    // After a failure the buffer is not written again when it is dropped.
+    let _ = writer.into_parts();
+    filled.map_err(|error| if failed { error.context(named(path)) } else { error })
+}
+
+/// Remembers whether writing has failed: only then an error is about the output.
+struct Watched<W> {
+    file: W,
+    failed: bool,
+}
+
+impl<W: Write> Write for Watched<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes);
+        self.failed |= written.is_err();
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.file.flush();
+        self.failed |= flushed.is_err();
+        flushed
+    }
 }
 
 /// The folder that holds `path`.
@@ -57,27 +81,24 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = folder_of(path);
+    // Asked first for its message: the one of `tempfile_in` would name a random path.
+    fs::metadata(folder)?;
+    let mut builder = temporary_name();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // tempfile makes private files; the process's umask shall decide, as for any output.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|error| error.kind().into())
+}
+
 fn temporary_name() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".kn-").suffix(".part");
     builder
-}
-
-/// `tempfile` makes private files and folders; for output the process's umask shall decide.
-fn plain_permissions<'b>(
-    builder: &'b mut tempfile::Builder<'static, 'static>,
-) -> &'b mut tempfile::Builder<'static, 'static> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
-}
-
-/// The system's reason alone: the random name of a temporary file would only confuse.
-fn without_path(error: io::Error) -> io::Error {
-    error.raw_os_error().map_or(error.kind().into(), io::Error::from_raw_os_error)
 }
 
 /// Many files for one folder, which appear there together at the end.
@@ -97,7 +118,8 @@ impl OutputFolder {
         let made = MadeFolders::create(folder).with_context(name)?;
         let create = || temporary_name().tempdir_in(folder);
         let begun = Unfinished::begin(create, |staging| staging.path());
-        let (staging, unfinished) = begun.map_err(without_path).with_context(name)?;
+        let (staging, unfinished) =
+            begun.map_err(|error| io::Error::from(error.kind())).with_context(name)?;
         Ok(Self { staging, unfinished, names: Vec::new(), made })
     }
 

@@ -1,7 +1,7 @@
 //! Tables on standard output.
 
-use comfy_table::{LineStyle, TableStyle};
 use comfy_table::{CellAlignment, Table};
+use comfy_table::{LineStyle, TableStyle};
 
 /// One line below the titles and nothing else: rows can be read and copied.
 const STYLE: TableStyle =

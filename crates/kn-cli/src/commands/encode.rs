@@ -47,7 +47,7 @@ pub(crate) struct EncodeArguments {
     #[arg(long, default_value_t = 11, value_parser = clap::value_parser!(u8).range(4..=20))]
     bits: u8,
     /// Step of the grid in world units, instead of --bits
-    #[arg(long, conflicts_with = "bits", value_name = "LENGTH")]
+    #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
     step: Option<f64>,
     /// Frames in a group: an I-frame, then P-frames
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u8).range(1..), value_name = "N")]

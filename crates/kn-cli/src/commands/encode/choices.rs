@@ -154,6 +154,14 @@ pub(super) fn combination(text: &str) -> Result<Combination, String> {
     })
 }
 
+/// Reads a positive length.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length > 0.0 && length.is_finite() => Ok(length),
+        _ => Err("a length is a positive number".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,6 +174,14 @@ mod tests {
         assert_eq!(rate("30000/1001"), Ok((30000, 1001)));
         for bad in ["", "0", "-1", "1/0", "0/1", "x", "1.", "1e3", "1.23456", "9999999999"] {
             assert!(rate(bad).is_err() || bad == "1.", "{bad}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_positive() {
+        assert_eq!(length("0.5"), Ok(0.5));
+        for bad in ["0", "-1", "nan", "inf", "1e999", "x"] {
+            assert!(length(bad).is_err(), "{bad}");
         }
     }
 
