@@ -1,2 +1,75 @@
-//! The `kn` command.
-fn main() {}
+//! The `kn` command: encode, decode, inspect, measure and check scanned human dynamic meshes.
+
+mod arguments;
+mod commands;
+mod interrupt;
+mod output;
+mod picture;
+mod progress;
+mod stream;
+mod table;
+
+use anyhow::Context;
+use arguments::{Arguments, Global};
+use clap::Parser;
+use std::io;
+use std::process::ExitCode;
+
+/// What a command found, where it could do its work at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Done, equal, conforming: exit code 0.
+    Good,
+    /// A difference or a failed check: exit code 1.
+    Bad,
+}
+
+/// Exit code of everything that kept a command from doing its work.
+const ERROR: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = prepare(&arguments.global)
+        .and_then(|()| commands::run(&arguments.command, &arguments.global));
+    match done {
+        Ok(Outcome::Good) => ExitCode::SUCCESS,
+        Ok(Outcome::Bad) => ExitCode::FAILURE,
+        // Whoever reads our output has seen enough (`kn dump x.knm | head`).
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("kn: error: {}", message(&error));
+            ExitCode::from(ERROR)
+        }
+    }
+}
+
+/// Threads and Ctrl-C, before any work.
+fn prepare(global: &Global) -> anyhow::Result<()> {
+    interrupt::install()?;
+    let threads = global.threads.map_or(0, |threads| usize::from(threads.get()));
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .context("cannot start the threads")
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<io::Error>()
+            .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    })
+}
+
+/// The chain of causes in one line; a cause that its context has already told is not repeated.
+fn message(error: &anyhow::Error) -> String {
+    let mut message = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if message.is_empty() {
+            message = cause;
+        } else if !message.ends_with(&cause) {
+            message = format!("{message}: {cause}");
+        }
+    }
+    message
+}

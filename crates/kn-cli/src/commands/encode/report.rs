@@ -1,0 +1,127 @@
+//! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
+
+use crate::arguments::Global;
+use crate::stream;
+use crate::table::grouped;
+use kn_codec::{FrameReport, Summary};
+use kn_mesh::CleanReport;
+use kn_mesh::io::ReadNotes;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// What happened so far.
+#[derive(Debug, Default)]
+pub(super) struct Report {
+    frames: Vec<FrameEntry>,
+    cleaned: CleanReport,
+    notes: ReadNotes,
+}
+
+/// One frame as the JSON has it.
+#[derive(Debug, Default, Serialize)]
+struct FrameEntry {
+    file: PathBuf,
+    cleaned: Value,
+    polygons: u64,
+    not_carried: BTreeMap<String, u64>,
+    coded: Option<CodedEntry>,
+}
+
+#[derive(Debug, Serialize)]
+struct CodedEntry {
+    kind: &'static str,
+    bytes: u64,
+    node_bytes: u64,
+    vertices: u32,
+    faces: u32,
+    nodes: u32,
+    combination: Option<&'static str>,
+    fit_rms: f64,
+    warning: Option<String>,
+}
+
+impl Report {
+    /// A frame has been read and cleaned.
+    pub(super) fn read(&mut self, file: PathBuf, cleaned: &CleanReport, notes: ReadNotes) {
+        self.cleaned += *cleaned;
+        self.notes += &notes;
+        let ReadNotes { polygons, ignored: not_carried, .. } = notes;
+        let cleaned = cleaned_json(cleaned);
+        self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
+    }
+
+    /// A frame has been coded; frames are read before they are coded.
+    pub(super) fn coded(&mut self, frame: FrameReport) {
+        let entry = usize::try_from(frame.index).ok().and_then(|at| self.frames.get_mut(at));
+        let Some(entry) = entry else { return };
+        entry.coded = Some(CodedEntry {
+            kind: stream::kind_letter(frame.kind),
+            bytes: frame.bytes,
+            node_bytes: frame.node_bytes,
+            vertices: frame.vertices,
+            faces: frame.faces,
+            nodes: frame.nodes,
+            combination: frame.combination.map(|combination| combination.name()),
+            fit_rms: frame.fit_rms,
+            warning: frame.warning,
+        });
+    }
+
+    /// Tells the user the sum, and every warning.
+    pub(super) fn tell(&self, summary: &Summary, seconds: f64, name: &str, global: &Global) {
+        for (index, frame) in self.frames.iter().enumerate() {
+            if let Some(warning) = frame.coded.as_ref().and_then(|coded| coded.warning.as_ref()) {
+                global.note(format_args!("{}: frame {index}: {warning}", frame.file.display()));
+            }
+        }
+        if self.cleaned.changed() {
+            global.note(format_args!("cleaned: {}", self.cleaned));
+        }
+        if !self.notes.is_empty() {
+            global.note(&self.notes);
+        }
+        let predicted = summary.frames - summary.intra_frames;
+        let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
+        global.note(format_args!(
+            "{name}: {} bytes, {} I-frames of {} bytes on average, {predicted} P-frames of {}; \
+             {seconds:.1} s",
+            grouped(summary.bytes),
+            summary.intra_frames,
+            mean(summary.intra_bytes, summary.intra_frames),
+            mean(summary.predicted_bytes, predicted),
+        ));
+    }
+
+    /// All of it; `settings` are those of the command line.
+    pub(super) fn to_json(&self, settings: Value, summary: &Summary, seconds: f64) -> Value {
+        json!({
+            "settings": settings,
+            "seconds": seconds,
+            "bytes": summary.bytes,
+            "intra_frames": summary.intra_frames,
+            "intra_bytes": summary.intra_bytes,
+            "predicted_frames": summary.frames - summary.intra_frames,
+            "predicted_bytes": summary.predicted_bytes,
+            "cleaned": cleaned_json(&self.cleaned),
+            "not_carried": self.notes.ignored,
+            "frames": self.frames,
+        })
+    }
+}
+
+fn cleaned_json(report: &CleanReport) -> Value {
+    json!({
+        "input_vertices": report.input_vertices,
+        "input_faces": report.input_faces,
+        "welded": report.welded,
+        "label_conflicts": report.label_conflicts,
+        "degenerate": report.degenerate,
+        "duplicate": report.duplicate,
+        "boundary_edges": report.boundary_edges,
+        "non_manifold_edges": report.non_manifold_edges,
+        "components": report.components,
+        "isolated": report.isolated,
+    })
+}

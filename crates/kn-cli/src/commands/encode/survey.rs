@@ -1,0 +1,55 @@
+//! The first look at all frames: are they sound, how large is their common box, what are their names.
+
+use crate::arguments::Global;
+use crate::progress;
+use anyhow::Result;
+use kn_codec::EncodeError;
+use kn_mesh::BoundingBox;
+use kn_mesh::io::Inputs;
+use std::path::PathBuf;
+
+/// What is known about a sequence before it is encoded.
+pub(super) struct Survey {
+    /// The file of each frame.
+    pub(super) files: Vec<PathBuf>,
+    /// The name of each frame, without extension.
+    pub(super) names: Vec<String>,
+    /// The box of all frames.
+    pub(super) bounds: Option<BoundingBox>,
+    /// Whether every frame has labels.
+    pub(super) labelled: bool,
+}
+
+impl Survey {
+    /// Reads every frame once.
+    pub(super) fn new(inputs: &Inputs, global: &Global) -> Result<Self> {
+        let bar = progress::bar(global, "reading", Some(inputs.len() as u64));
+        let mut survey =
+            Self { files: Vec::new(), names: Vec::new(), bounds: None, labelled: true };
+        for frame in inputs.frames() {
+            let frame = frame?;
+            let bounds = frame.mesh.bounding_box();
+            survey.bounds = match (survey.bounds, bounds) {
+                (Some(all), Some(one)) => Some(all.union(one)),
+                (all, one) => all.or(one),
+            };
+            survey.labelled &= !frame.mesh.labels.is_empty();
+            survey.files.push(frame.path);
+            survey.names.push(frame.name);
+            bar.step();
+        }
+        Ok(survey)
+    }
+
+    /// Adds the file's name to an encoder's error about a frame.
+    pub(super) fn name_file(&self, error: anyhow::Error) -> anyhow::Error {
+        let frame = match error.downcast_ref() {
+            Some(EncodeError::Input { frame, .. }) => usize::try_from(*frame).ok(),
+            _ => None,
+        };
+        match frame.and_then(|frame| self.files.get(frame)) {
+            Some(file) => error.context(file.display().to_string()),
+            None => error,
+        }
+    }
+}

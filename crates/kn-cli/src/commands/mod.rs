@@ -1,0 +1,31 @@
+//! One file per command.
+
+mod decode;
+mod dump;
+mod encode;
+mod info;
+mod verify;
+
+use crate::Outcome;
+use crate::arguments::Global;
+
+/// What to do.
+#[derive(Debug, clap::Subcommand)]
+pub(crate) enum Command {
+    Encode(encode::EncodeArguments),
+    Decode(decode::DecodeArguments),
+    Info(info::InfoArguments),
+    Dump(dump::DumpArguments),
+    Verify(verify::VerifyArguments),
+}
+
+/// Runs a command.
+pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome> {
+    match command {
+        Command::Encode(arguments) => encode::run(arguments, global),
+        Command::Decode(arguments) => decode::run(arguments, global),
+        Command::Info(arguments) => info::run(arguments),
+        Command::Dump(arguments) => dump::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments, global),
+    }
+}

@@ -1,0 +1,230 @@
+//! Output that appears whole or not at all, whether the disk is full, the input is broken or the
+//! user presses Ctrl-C.
+
+use crate::interrupt::Unfinished;
+use anyhow::{Context, Result};
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The path that means standard input or output.
+pub(crate) fn is_dash(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Writes a file through `fill`: into a temporary file in the same folder that is renamed at the
+/// end. `-` and what is no regular file (a pipe, a device) are written to directly.
+///
+/// Errors of the output name it; errors that `fill` has of its own are left as they are.
+pub(crate) fn write_file<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<T> {
+    if is_dash(path) {
+        return fill_and_flush(io::stdout().lock(), Path::new("standard output"), fill);
+    }
+    let special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    if special {
+        let file = fs::OpenOptions::new().write(true).open(path).with_context(|| named(path))?;
+        return fill_and_flush(file, path, fill);
+    }
+    let (temporary, unfinished) = Unfinished::begin(|| temporary_beside(path), |file| file.path())
+        .with_context(|| named(path))?;
+    let value = fill_and_flush(temporary.as_file(), path, fill)?;
+    let persisted = unfinished.finish(|| temporary.persist(path));
+    persisted.map_err(|failed| failed.error).with_context(|| named(path))?;
+    Ok(value)
+}
+
+fn named(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn fill_and_flush<T>(
+    file: impl Write,
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T>,
+) -> Result<T> {
+    let mut writer = BufWriter::with_capacity(1 << 16, Watched { file, failed: false });
+    let filled = fill(&mut writer).and_then(|value| {
+        writer.flush()?;
+        Ok(value)
+    });
+    let failed = writer.get_ref().failed;
+    // After a failure the buffer is not written again when it is dropped.
+    let _ = writer.into_parts();
+    filled.map_err(|error| if failed { error.context(named(path)) } else { error })
+}
+
+/// Remembers whether writing has failed: only then an error is about the output.
+struct Watched<W> {
+    file: W,
+    failed: bool,
+}
+
+impl<W: Write> Write for Watched<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes);
+        self.failed |= written.is_err();
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.file.flush();
+        self.failed |= flushed.is_err();
+        flushed
+    }
+}
+
+/// The folder that holds `path`.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = folder_of(path);
+    // Asked first for its message: the one of `tempfile_in` would name a random path.
+    fs::metadata(folder)?;
+    let mut builder = temporary_name();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // tempfile makes private files; the process's umask shall decide, as for any output.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|error| error.kind().into())
+}
+
+fn temporary_name() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".kn-").suffix(".part");
+    builder
+}
+
+/// Many files for one folder, which appear there together at the end.
+///
+/// The fields are dropped in this order: the temporary folder, its note, then folders made in vain.
+pub(crate) struct OutputFolder {
+    staging: tempfile::TempDir,
+    unfinished: Unfinished,
+    names: Vec<String>,
+    made: MadeFolders,
+}
+
+impl OutputFolder {
+    /// Makes the folder where it does not exist, and a temporary one inside it.
+    pub(crate) fn create(folder: &Path) -> Result<Self> {
+        let name = || folder.display().to_string();
+        let made = MadeFolders::create(folder).with_context(name)?;
+        let create = || temporary_name().tempdir_in(folder);
+        let begun = Unfinished::begin(create, |staging| staging.path());
+        let (staging, unfinished) =
+            begun.map_err(|error| io::Error::from(error.kind())).with_context(name)?;
+        Ok(Self { staging, unfinished, names: Vec::new(), made })
+    }
+
+    /// The temporary place of a file; `name` is a plain file name.
+    pub(crate) fn place(&mut self, name: &str) -> PathBuf {
+        self.names.push(name.to_owned());
+        self.staging.path().join(name)
+    }
+
+    /// Where the file of that name will be at the end.
+    pub(crate) fn target(&self, name: &str) -> PathBuf {
+        self.made.folder.join(name)
+    }
+
+    /// Puts all files in place, over files of the same names, and returns their number.
+    pub(crate) fn publish(self) -> Result<usize> {
+        let Self { staging, unfinished, names, made } = self;
+        unfinished.finish(|| {
+            for name in &names {
+                let target = made.folder.join(name);
+                fs::rename(staging.path().join(name), &target)
+                    .with_context(|| target.display().to_string())?;
+            }
+            Ok(names.len())
+        })
+    }
+}
+
+/// A folder for output; those of its ancestors that had to be made go again if they stay empty.
+struct MadeFolders {
+    folder: PathBuf,
+    /// How many of the folder and its ancestors did not exist.
+    missing: usize,
+}
+
+impl MadeFolders {
+    fn create(folder: &Path) -> io::Result<Self> {
+        let exists = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let missing = folder.ancestors().take_while(exists).count();
+        let made = Self { folder: folder.to_owned(), missing };
+        fs::create_dir_all(folder)?;
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        // A folder that is not empty, or was never made, cannot be removed: that ends the way up.
+        let mut made = self.folder.ancestors().take(self.missing);
+        while made.next().is_some_and(|folder| fs::remove_dir(folder).is_ok()) {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_failed_file_leaves_the_old_one_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.knm");
+        write_file(&path, |w| Ok(w.write_all(b"old")?)).expect("written");
+        let failed = write_file(&path, |w| {
+            w.write_all(b"half")?;
+            anyhow::bail!("the scan is bad") as Result<()>
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read(&path).expect("still there"), b"old");
+        assert_eq!(names_in(folder.path()), ["a.knm"]);
+    }
+
+    #[test]
+    fn a_missing_folder_and_a_full_disk_are_named() {
+        let error = write_file(Path::new("/nowhere/a.knm"), |_| Ok(())).expect_err("no folder");
+        assert_eq!(format!("{error:#}"), "/nowhere/a.knm: No such file or directory (os error 2)");
+        if cfg!(target_os = "linux") {
+            let full = Path::new("/dev/full");
+            let error = write_file(full, |w| Ok(w.write_all(&[0; 9])?)).expect_err("full");
+            assert!(format!("{error:#}").starts_with("/dev/full: No space left"), "{error:#}");
+        }
+    }
+
+    #[test]
+    fn a_folder_is_filled_at_the_end_or_not_at_all() {
+        let base = tempfile::tempdir().expect("a temporary folder");
+        let out = base.path().join("deep/out");
+        let mut folder = OutputFolder::create(&out).expect("made");
+        fs::write(folder.place("a.obj"), b"a").expect("written");
+        drop(folder);
+        assert_eq!(names_in(base.path()), [] as [&str; 0]);
+
+        let mut folder = OutputFolder::create(&out).expect("made");
+        fs::write(folder.place("a.obj"), b"a").expect("written");
+        fs::write(folder.place("b.obj"), b"b").expect("written");
+        assert!(!out.join("a.obj").exists());
+        assert_eq!(folder.publish().expect("published"), 2);
+        assert_eq!(names_in(&out), ["a.obj", "b.obj"]);
+    }
+}

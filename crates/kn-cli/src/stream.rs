@@ -1,0 +1,140 @@
+//! Streams from files and from standard input.
+
+use crate::output::is_dash;
+use anyhow::{Context, Result, ensure};
+use kn_bitstream::{Trace, UnitOfLength};
+use kn_codec::{
+    DecodeError, DecodeErrorKind, Decoder, FrameInfo, FrameKind, Limits, Progress, StreamDecoder,
+};
+use kn_mesh::Mesh;
+use std::fs::File;
+use std::io::{self, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// The longest stream that is taken from standard input.
+const MAX_STDIN_BYTES: u64 = 1 << 32;
+
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Bytes of a stream. Standard input is read whole, so that every command can seek.
+#[derive(Debug)]
+pub(crate) enum Source {
+    File(BufReader<File>),
+    Memory(Cursor<Vec<u8>>),
+}
+
+impl Source {
+    /// Opens a file, or standard input for `-`.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        if is_dash(path) {
+            let mut bytes = Vec::new();
+            let mut input = io::stdin().lock().take(MAX_STDIN_BYTES + 1);
+            input.read_to_end(&mut bytes).context("standard input")?;
+            let fits = bytes.len() as u64 <= MAX_STDIN_BYTES;
+            ensure!(fits, "standard input: more than {MAX_STDIN_BYTES} bytes");
+            return Ok(Self::Memory(Cursor::new(bytes)));
+        }
+        let file = File::open(path).with_context(|| name_of(path))?;
+        Ok(Self::File(BufReader::new(file)))
+    }
+
+    /// Number of bytes.
+    pub(crate) fn size(&self) -> io::Result<u64> {
+        match self {
+            Self::File(file) => Ok(file.get_ref().metadata()?.len()),
+            Self::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
+        }
+    }
+}
+
+impl Read for Source {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(buffer),
+            Self::Memory(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for Source {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            Self::File(file) => file.seek(to),
+            Self::Memory(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+/// How a stream is called in messages.
+pub(crate) fn name_of(path: &Path) -> String {
+    if is_dash(path) { "standard input".into() } else { path.display().to_string() }
+}
+
+/// A decoder over a file or standard input.
+pub(crate) fn open(path: &Path) -> Result<Decoder<Source>> {
+    Decoder::new(Source::open(path)?).with_context(|| name_of(path))
+}
+
+/// Whether a path means a .knm stream; anything else is a mesh or a pattern of meshes.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    is_dash(path) || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("knm"))
+}
+
+/// Decodes a whole stream: `trace` sees every syntax element, `seen` every frame.
+pub(crate) fn decode_traced(
+    source: &mut Source,
+    check_digests: bool,
+    trace: &mut Trace<'_>,
+    mut seen: impl FnMut(FrameInfo),
+) -> Result<(), DecodeError> {
+    let mut stream = StreamDecoder::new(Limits::default());
+    stream.check_digests(check_digests);
+    let mut mesh = Mesh::default();
+    let mut chunk = vec![0; CHUNK];
+    let (mut bytes, mut frames) = (0, 0);
+    loop {
+        let progress = stream.poll_traced(&mut mesh, Some(&mut *trace))?;
+        if let Progress::Frame(info) = progress {
+            frames += 1;
+            seen(info);
+            continue;
+        }
+        let read = read_some(source, &mut chunk)?;
+        bytes += read as u64;
+        match (progress, read) {
+            (Progress::End, 0) => return Ok(()),
+            (_, 0) => return Err(DecodeErrorKind::Truncated { bytes, frames }.into()),
+            _ => stream.push(&chunk[..read]),
+        }
+    }
+}
+
+fn read_some(source: &mut Source, chunk: &mut [u8]) -> io::Result<usize> {
+    loop {
+        match source.read(chunk) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            result => return result,
+        }
+    }
+}
+
+/// I or P.
+pub(crate) fn kind_letter(kind: FrameKind) -> &'static str {
+    match kind {
+        FrameKind::Intra => "I",
+        FrameKind::Predicted => "P",
+    }
+}
+
+/// The unit of the coordinates in messages.
+pub(crate) fn unit_name(unit: UnitOfLength) -> &'static str {
+    match unit {
+        UnitOfLength::Unspecified => "units",
+        UnitOfLength::Metre => "m",
+        UnitOfLength::Centimetre => "cm",
+        UnitOfLength::Millimetre => "mm",
+        UnitOfLength::Inch => "in",
+        UnitOfLength::Foot => "ft",
+    }
+}
