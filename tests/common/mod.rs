@@ -9,19 +9,19 @@ use kn_mesh::performer::{Performer, PerformerConfig};
 use std::io::Cursor;
 
 /// `count` frames of about `vertices` vertices, with noise, holes and labels.
-pub fn performer(count: u32, vertices: usize) -> Vec<Mesh> {
+pub(crate) fn performer(count: u32, vertices: usize) -> Vec<Mesh> {
     let config = PerformerConfig { vertices, holes: 2, ..PerformerConfig::default() };
     let performer = Performer::new(config).expect("the settings are in range");
     (0..count).map(|index| performer.frame(index)).collect()
 }
 
 /// Settings for small sequences: groups of three frames, thirty nodes.
-pub fn small_config() -> EncoderConfig {
+pub(crate) fn small_config() -> EncoderConfig {
     EncoderConfig { group_length: 3, nodes: 30, ..EncoderConfig::default() }
 }
 
 /// The stream of a sequence.
-pub fn encode(frames: &[Mesh], config: EncoderConfig) -> Vec<u8> {
+pub(crate) fn encode(frames: &[Mesh], config: EncoderConfig) -> Vec<u8> {
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     for frame in frames {
         encoder.push(frame).expect("a sound frame");
@@ -31,14 +31,14 @@ pub fn encode(frames: &[Mesh], config: EncoderConfig) -> Vec<u8> {
 
 /// One decoded frame as integers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Decoded {
-    pub positions: Vec<[i32; 3]>,
-    pub faces: Vec<[u32; 3]>,
-    pub mesh: Mesh,
+pub(crate) struct Decoded {
+    pub(crate) positions: Vec<[i32; 3]>,
+    pub(crate) faces: Vec<[u32; 3]>,
+    pub(crate) mesh: Mesh,
 }
 
 /// All frames of a stream, digests checked.
-pub fn decode(stream: &[u8]) -> Vec<Decoded> {
+pub(crate) fn decode(stream: &[u8]) -> Vec<Decoded> {
     let mut decoder = Decoder::new(Cursor::new(stream)).expect("a stream");
     decoder.check_digests(true);
     let mut frames = Vec::new();
@@ -54,7 +54,7 @@ pub fn decode(stream: &[u8]) -> Vec<Decoded> {
 }
 
 /// Runs `work` in a pool of so many threads.
-pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(work)
 }
