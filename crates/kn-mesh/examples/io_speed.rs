@@ -1,5 +1,5 @@
-//! Times our readers against tobj and ply-rs-bw on one OBJ file and its PLY copy, and shows what
-//! tobj makes of the vertices: `cargo run --release -p kn-mesh --example read_speed -- FILE.obj`.
+//! Times our readers against tobj and ply-rs-bw on one OBJ file and its PLY copy, then our writers
+//! and the cleaning: `cargo run --release -p kn-mesh --example io_speed -- FILE.obj`.
 
 use kn_mesh::io::{ReadOptions, read_mesh, write_mesh};
 use ply_rs_bw::parser::Parser;
@@ -72,6 +72,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Parser::<Element>::new().read_ply(&mut &bytes[..])
     });
     println!("PLY  ply-rs-bw {theirs:.2} ms, own struct per element");
+    for extension in ["obj", "ply", "glb"] {
+        let copy = folder.path().join("written").with_extension(extension);
+        let (time, written) = fastest(|| write_mesh(&copy, &mesh));
+        written?;
+        println!("write {extension} {time:.2} ms");
+    }
     let (clean, _) = fastest(|| kn_mesh::clean(&mesh));
     println!("clean {clean:.2} ms");
     Ok(())
