@@ -4,6 +4,7 @@ use super::{MeshError, MeshErrorKind};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Writes a file through `fill` into a temporary file in the same folder, then renames it.
 ///
@@ -44,23 +45,17 @@ fn write_beside<T>(
     Ok(value)
 }
 
-/// A temporary file in the folder of `path`, with the permissions of an ordinary new file.
-pub(super) fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+/// A temporary file in the folder of `path`, removed when dropped.
+pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    // Asked first for its message: the one of `tempfile_in` would name a random path.
-    fs::metadata(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".kn-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // tempfile makes private files; the process's umask shall decide, as for any output.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))
+    // Opened by us, not by tempfile: with the permissions of any new file instead of private ones,
+    // and with errors that do not name the random path.
+    tempfile::Builder::new().prefix(".kn-").suffix(".part").make_in(folder, |path| {
+        fs::OpenOptions::new().read(true).write(true).create_new(true).open(path)
+    })
 }
 
 #[cfg(test)]
@@ -87,6 +82,26 @@ mod tests {
         let error = write_atomically(Path::new("/nowhere/at/all/m.ply"), |_| Ok(()));
         let message = error.expect_err("no such folder").to_string();
         assert!(message.starts_with("/nowhere/at/all/m.ply: No such file"), "{message}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files_is_an_error() {
+        let error = write_atomically(Path::new("/proc/m.obj"), |_| Ok(()));
+        let message = error.expect_err("not writable, even for root").to_string();
+        assert!(message.starts_with("/proc/m.obj: ") && message.contains("os error"), "{message}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn new_files_have_ordinary_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));
+        write_atomically(&ours, |w| w.write_all(b"x")).expect("written");
+        fs::write(&plain, b"x").expect("written");
+        let mode = |path| fs::metadata(path).map(|found| found.permissions().mode());
+        assert_eq!(mode(&ours).expect("there"), mode(&plain).expect("there"));
     }
 
     #[cfg(target_os = "linux")]

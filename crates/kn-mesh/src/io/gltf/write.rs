@@ -8,9 +8,10 @@ use super::super::atomic::temporary_beside;
 use super::super::{MeshError, MeshErrorKind, write_atomically};
 use crate::Mesh;
 use serde_json::{Value, json};
+use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 /// Most morph targets of one mesh: the weights of a mesh grow with the square of its frames.
 const MAX_TARGETS: usize = 255;
@@ -33,7 +34,9 @@ const FLOAT: u32 = 5126;
 pub struct GlbWriter {
     path: PathBuf,
     frame_rate: f64,
-    binary: BufWriter<NamedTempFile>,
+    binary: BufWriter<File>,
+    /// Removes the temporary file when dropped.
+    _spool: TempPath,
     length: u64,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -61,11 +64,13 @@ impl GlbWriter {
             let what = format!("a frame rate of {frame_rate}");
             return Err(MeshError::new(path, MeshErrorKind::Unsupported(what)));
         }
-        let file = temporary_beside(path).map_err(|error| MeshError::new(path, error))?;
+        let temporary = temporary_beside(path).map_err(|error| MeshError::new(path, error))?;
+        let (file, spool) = temporary.into_parts();
         Ok(Self {
             path: path.to_owned(),
             frame_rate,
             binary: BufWriter::with_capacity(1 << 16, file),
+            _spool: spool,
             length: 0,
             views: Vec::new(),
             accessors: Vec::new(),
@@ -135,8 +140,8 @@ impl GlbWriter {
         let json = self.document().map_err(failed)?.to_string();
         let length = self.length;
         let mut binary = self.binary.into_inner().map_err(|error| failed(error.into_error()))?;
-        binary.as_file_mut().rewind().map_err(failed)?;
-        write_atomically(&path, |out| write_chunks(&json, length, binary.as_file_mut(), out))
+        binary.rewind().map_err(failed)?;
+        write_atomically(&path, |out| write_chunks(&json, length, &mut binary, out))
     }
 
     /// The JSON of all that was written; adds the key frames of the animation to it.
