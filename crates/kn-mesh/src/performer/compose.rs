@@ -2,6 +2,7 @@
 //! itself only across a diagonal. Then every cell holds one sheet of surface, and a surface net
 //! with one vertex a cell is a closed manifold.
 
+use super::field::Scene;
 use super::lattice::{Lattice, local, mask, octant};
 use rayon::prelude::*;
 
@@ -11,8 +12,9 @@ const FACES: [[usize; 4]; 6] =
 
 /// Turns single lattice points from outside to inside until no cell is critical. It only ever
 /// adds, so it ends; in practice after two or three rounds.
-pub(super) fn make_well_composed(lattice: &mut Lattice) {
+pub(super) fn make_well_composed(lattice: &mut Lattice, scene: &Scene) {
     loop {
+        while lattice.complete(scene) {}
         let critical: Vec<(usize, usize)> = (0..lattice.leaves.len())
             .into_par_iter()
             .flat_map_iter(|leaf| critical_cells(lattice, leaf))

@@ -263,9 +263,9 @@ impl Sculptor {
         let loose = if self.tunic { 1.0 } else { 0.88 };
         let sleeve = self.loft(
             &[
-                station(0.062, 0.036, 0.040, 0.0),
-                station(0.030, 0.058, 0.060, 0.0),
-                station(-0.030, 0.066 * loose, 0.069 * loose, 0.0),
+                station(0.034, 0.038, 0.042, 0.0),
+                station(0.004, 0.057, 0.060, 0.0),
+                station(-0.045, 0.066 * loose, 0.069 * loose, 0.0),
                 station(-0.120, 0.066 * loose, 0.067 * loose, -0.002),
                 station(-0.205, 0.071 * loose, 0.070 * loose, -0.006),
             ],

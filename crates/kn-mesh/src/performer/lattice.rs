@@ -21,9 +21,9 @@ const CORNERS: usize = ((SIDE + 1) * (SIDE + 1) * (SIDE + 1)) as usize;
 pub(super) const NONE: u32 = u32::MAX;
 /// Radius around the pelvis that holds the figure in any pose, metres.
 const REACH: f64 = 1.35;
-/// Cells by which blocks are grown before they are tested, so that all lattice points around a
-/// cell with a surface exist even after [`super::compose`] has moved it by a cell.
-const MARGIN: f64 = 1.0;
+/// Cells by which blocks are grown before they are tested, so that the cells around a cut lattice
+/// edge are mostly there from the start; [`Lattice::complete`] finds the others.
+const MARGIN: f64 = 0.5;
 
 /// A block of [`LEAF`] lattice points.
 #[derive(Clone, Debug)]
@@ -78,6 +78,60 @@ impl Lattice {
         lattice
     }
 
+    /// Adds the blocks that the octree dropped although the surface, seen from a neighbour, enters
+    /// them: distances of lofts and folds are not exact. Returns whether there were any.
+    pub(super) fn complete(&mut self, scene: &Scene) -> bool {
+        let mut missing: Vec<[i32; 3]> =
+            (0..self.leaves.len()).into_par_iter().flat_map_iter(|l| self.missing(l)).collect();
+        missing.sort_unstable();
+        missing.dedup();
+        let radius = self.radius(SIDE);
+        let added = missing.into_par_iter().map(|key| {
+            let near = scene.nearby(self.centre(key, SIDE), radius, 2.0 * self.step, &scene.all());
+            self.leaf(scene, (key, near))
+        });
+        let added: Vec<Leaf> = added.collect();
+        let any = !added.is_empty();
+        self.leaves.extend(added);
+        if any {
+            self.connect();
+        }
+        any
+    }
+
+    /// Blocks that are not sampled but hold a corner of a cell at a cut edge of a leaf.
+    fn missing(&self, leaf: usize) -> Vec<[i32; 3]> {
+        let mut missing = Vec::new();
+        if !self.leaves[leaf].around.contains(&NONE) || !self.is_cut(leaf) {
+            return missing;
+        }
+        for place in 0..LEAF {
+            for axis in (0..3).filter(|&axis| self.cuts(leaf, place, axis)) {
+                let around = (0..18).map(|i| {
+                    let mut at = local(place);
+                    at[axis] += i / 9;
+                    at[(axis + 1) % 3] += i % 3 - 1;
+                    at[(axis + 2) % 3] += i / 3 % 3 - 1;
+                    at
+                });
+                let lost = around.filter(|&at| self.find(leaf, at).is_none());
+                let block = |at: [i32; 3]| {
+                    [0, 1, 2].map(|a| self.leaves[leaf].key[a] + at[a].div_euclid(SIDE))
+                };
+                missing.extend(lost.map(block));
+            }
+        }
+        missing
+    }
+
+    /// Whether the surface cuts the lattice edge from `place` of a leaf along `axis`.
+    pub(super) fn cuts(&self, leaf: usize, place: usize, axis: usize) -> bool {
+        let mut far = local(place);
+        far[axis] += 1;
+        let inside = |(leaf, place): (usize, usize)| self.leaves[leaf].values[place] < 0.0;
+        self.find(leaf, far).is_some_and(|there| inside(there) != inside((leaf, place)))
+    }
+
     /// World position of a lattice point.
     pub(super) fn point(&self, at: [i32; 3]) -> DVec3 {
         let [x, y, z] = at.map(|c| f64::from(c) * self.step);
@@ -95,13 +149,20 @@ impl Lattice {
 
     /// The primitives that matter in a block, or `None` where it has no part of the surface.
     fn keep(&self, scene: &Scene, key: [i32; 3], size: i32, all: &[u16]) -> Option<Vec<u16>> {
-        let half = f64::from(size) / 2.0;
-        let middle = key.map(|k| (f64::from(k * size) + half - 0.5) * self.step);
-        let centre = self.frame.apply(DVec3::from(middle));
-        let radius = 3.0_f64.sqrt() * (half + MARGIN) * self.step;
+        let (centre, radius) = (self.centre(key, size), self.radius(size));
         let near = scene.nearby(centre, radius, 2.0 * self.step, all);
         let bound = LIPSCHITZ * radius;
         (scene.value(centre, &near).abs() <= bound).then_some(near)
+    }
+
+    fn centre(&self, key: [i32; 3], size: i32) -> DVec3 {
+        let middle = |k: i32| (f64::from(k * size) + f64::from(size - 1) / 2.0) * self.step;
+        self.frame.apply(DVec3::from(key.map(middle)))
+    }
+
+    /// Of the ball around a block grown by [`MARGIN`].
+    fn radius(&self, size: i32) -> f64 {
+        3.0_f64.sqrt() * (f64::from(size) / 2.0 + MARGIN) * self.step
     }
 
     fn leaf(&self, scene: &Scene, (key, candidates): Block) -> Leaf {

@@ -176,7 +176,7 @@ impl Performer {
         let random = Random::new(self.config.seed, 3).fork(i64::from(index));
         let step = (NET_AREA / (OVERSAMPLING * self.config.vertices as f64)).sqrt();
         let mut lattice = Lattice::sample(&scene, step, random.fork(0));
-        compose::make_well_composed(&mut lattice);
+        compose::make_well_composed(&mut lattice, &scene);
         let mut surface = net::extract(&scene, &lattice);
         surface.keep_large_pieces(LARGE_PIECE);
         surface.compact();

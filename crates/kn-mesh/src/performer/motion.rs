@@ -39,7 +39,7 @@ impl Motion {
         let beat = match config.action {
             Action::Walk => 0.54,
             Action::Turn => 0.42,
-            Action::Dance | Action::Stand | Action::Poses => 0.5,
+            Action::Dance | Action::Stand | Action::Poses => 0.48,
         };
         Self {
             action: config.action,
@@ -95,7 +95,7 @@ impl Motion {
                 let sway = 0.45 * libm::sin(0.41 * time + TAU * self.random.unit(10))
                     + 0.25 * libm::sin(1.07 * time + TAU * self.random.unit(11));
                 let yaw = self.intensity * sway + self.spin(beats);
-                Placement { position: 0.22 * self.intensity * self.wander(time, 1.1), yaw }
+                Placement { position: 0.25 * self.intensity * self.wander(time, 1.1), yaw }
             }
             Action::Stand | Action::Poses => ORIGIN,
         }

@@ -176,14 +176,10 @@ fn quad(
     place: usize,
     axis: usize,
 ) -> Option<[u32; 4]> {
-    let at = local(place);
-    let mut far = at;
-    far[axis] += 1;
-    let (next, there) = lattice.find(leaf, far)?;
-    let here = lattice.leaves[leaf].values[place] < 0.0;
-    if here == (lattice.leaves[next].values[there] < 0.0) {
+    if !lattice.cuts(leaf, place, axis) {
         return None;
     }
+    let at = local(place);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut ring = [NONE; 4];
     for (slot, (back_u, back_v)) in ring.iter_mut().zip([(1, 1), (0, 1), (0, 0), (1, 0)]) {

@@ -10,10 +10,10 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 /// Share of the edges, from the cheapest, that a round may collapse.
-const SHARE: f64 = 0.45;
+const SHARE: f64 = 0.35;
 /// Weight of keeping a new vertex at the middle of its edge, relative to the faces' area; it
 /// decides where the surface is flat and the planes say nothing.
-const CENTRING: f64 = 2e-3;
+const CENTRING: f64 = 3e-4;
 
 /// Edges shorter than this, in metres, are points.
 const POINT: f64 = 2e-4;
@@ -58,7 +58,7 @@ impl Quadric {
         (
             planes.max(0.0)
                 + weight * (at - middle).length_squared()
-                + 1e-4 * self.area * length * length,
+                + 1e-5 * self.area * length * length,
             at,
         )
     }

@@ -13,7 +13,7 @@ use super::skeleton::BALL;
 use glam::DVec3;
 
 /// Width over which neighbouring bones share a material point, metres.
-const SHARING: f64 = 0.018;
+const SHARING: f64 = 0.02;
 /// Rounds of the search for a material point; each shrinks the error to about a third.
 const ROUNDS: usize = 8;
 /// Metres of error at which the search is content.
