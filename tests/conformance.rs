@@ -8,9 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kn_codec::{Limits, Progress, StreamDecoder, digest};
-use kn_conform::{
-    Spec, Stream, count_affine_by_label, judge, load_corpus, run_ours, stream_trace,
-};
+use kn_conform::{Spec, Stream, count_affine_by_label, judge, load_corpus, run_ours, stream_trace};
 use kn_mesh::Mesh;
 use libtest_mimic::{Arguments, Failed, Trial};
 

@@ -31,15 +31,20 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "one_frame",
         "A file may be one I-frame: no key nodes, no P-frame.",
-        &["file.order", "intra.payload", "conformance.frame.sha256"],
+        &["intra.payload", "conformance.frame.sha256"],
         &still(&plain),
         config(),
     )?;
     for (name, danger, combination) in COMBINATIONS {
         let config =
             EncoderConfig { combination, affine: AffineChoice::Labels(vec![7]), ..config() };
-        let covers =
-            &["nodes.affine", "nodes.label", "motion.counts", "motion.order", "deform.matrix"];
+        let covers = &[
+            "nodes.affine",
+            "nodes.label.nearest",
+            "motion.counts",
+            "motion.order",
+            "deform.matrix",
+        ];
         add(name, danger, covers, &short(&body), config)?;
     }
     add(
@@ -64,7 +69,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "groups",
         "Nothing of a group of frames is left in the next; the last group is short.",
-        &["file.order", "conformance.access", "index.groups.match"],
+        &["conformance.access"],
         &long,
         EncoderConfig { group_length: 3, ..config() },
     )?;

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use crate::Draft;
-use crate::texts::{INDEX, Text, by_hand, intra_unit, strip};
+use crate::texts::{INDEX, Text, by_hand, intra_unit, positions_digest_of, strip};
 
 /// A name, the rule that it breaks, the mistake that it catches, and the edits.
 type Fault = (&'static str, &'static str, &'static str, fn(Text) -> Text);
@@ -34,6 +34,15 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         let text = format!("{}{intra}{INDEX}", header.build());
         drafts.push(Draft { name, text, danger, rule: Some(rule), covers: &[] });
     }
+    let digest = positions_digest_of(&strip(8, Some([0, 7])))?;
+    let digests = [&format!("positions_digest = 0x{digest:x}"), "faces_digest = 0x1"];
+    drafts.push(Draft {
+        name: "faces_digest",
+        text: base.set("digest_present", 0, "1").after("name_present", 0, &digests).build(),
+        danger: "Decoded faces differ.",
+        rule: Some("intra.digest.faces"),
+        covers: &[],
+    });
     Ok(drafts)
 }
 

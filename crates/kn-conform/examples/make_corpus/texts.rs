@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::fmt::Write as _;
 
-use kn_codec::intra::encode_intra;
+use kn_codec::digest::positions_digest;
+use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::GridMesh;
 
 /// A text that edits can change line by line.
@@ -129,6 +130,17 @@ pub(crate) fn intra_unit(mesh: &GridMesh) -> Result<String, Box<dyn Error>> {
     }
     text.push('\n');
     Ok(text)
+}
+
+/// The digest of a mesh's positions as they are decoded, in decoded order.
+pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64, Box<dyn Error>> {
+    let mut payload = Vec::new();
+    encode_intra(mesh, &mut payload).map_err(|error| error.to_string())?;
+    let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
+    let mut decoded = GridMesh::default();
+    decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut decoded)
+        .map_err(|error| error.to_string())?;
+    Ok(positions_digest(&decoded.positions))
 }
 
 /// The lines of a sequence header unit: level 0, a metre grid, Q = 4, body labels, fallback.

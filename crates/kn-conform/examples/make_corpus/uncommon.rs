@@ -15,7 +15,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         "skippable_units",
         "Private units may stand anywhere between the header and the index; one may be empty, and \
          one stands between key nodes and motion.",
-        &["unit.skipped", "file.order"],
+        &["unit.skipped"],
         base.clone()
             .before("unit_type", 1, &["unit_type = 128", "skipped = x"])
             .before("unit_type", 4, &["unit_type = 255", "skipped = x0405060708"])
@@ -24,7 +24,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "nodes_as_points",
         "Nodes off the surface take the label of the closest vertex, of two the lower one.",
-        &["nodes.points", "nodes.label"],
+        &["nodes.points", "nodes.label.nearest"],
         base.clone()
             .set("node_coding", 0, "1")
             .set("node_vertex_rice", 0, "5")
@@ -106,7 +106,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "wide_gaussian",
         "The widest sigma: all weights are nearly equal.",
-        &["deform.weights.gaussian", "nodes.sigma.range"],
+        &["deform.weights.gaussian", "nodes.sigma.meaning"],
         base.clone().set("weight_scheme", 0, "2").after(
             "affine_mode",
             0,
@@ -122,7 +122,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "frame_names",
         "Names in frame headers, not in ASCII, override the pattern.",
-        &["frame.name.meaning", "name.characters"],
+        &["frame.name.meaning"],
         base.clone()
             .set("names_present", 0, "1")
             .after(
@@ -149,7 +149,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "grid_extremes",
         "World coordinates may be anything finite: frames are integers.",
-        &["header.grid.meaning", "header.step.positive"],
+        &["header.grid.meaning"],
         base.clone().set("grid_origin", 0, "-1.7976931348623157e308 0.0 -0.0").set(
             "grid_step",
             0,
@@ -159,7 +159,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "intra_only_groups",
         "Groups of one frame each, and no key nodes at all.",
-        &["file.order"],
+        &["conformance.process"],
         {
             let intra = intra_unit(&strip(4, Some([0, 7])))?;
             Text::new(&format!("{HEADER}{intra}{intra}{intra}{INDEX}"))
