@@ -3,8 +3,9 @@
 //! A text has lines `name = values` in the order of the syntax. A line gives one element or the next
 //! ones of an array (`translation = 1 0 -2 0*12`). Sizes, the signature, reserved bits, the CRC and
 //! the index may be left out: then they are what they should be. `value as x8500` writes other bits
-//! than the value's own. `@append x00`, `@cut 3` (bytes) and `@flip 70` (a bit) change the stream
-//! after it is done. `#` begins a comment.
+//! than the value's own. `pad = 0 as 0b1` at the end of a structure puts bits after it.
+//! `@append x00`, `@cut 3` (bytes) and `@flip 70` (a bit) change the stream after it is done. `#`
+//! begins a comment.
 
 use std::collections::VecDeque;
 
@@ -238,6 +239,9 @@ impl Elements for TextElements<'_> {
     }
 
     fn end_structure(&mut self, unit: OpenUnit) -> Result<&[u8], Failure> {
+        if let Some(bits) = self.given("pad").and_then(|given| given.bits) {
+            bits.iter().for_each(|&bit| self.sink.bit(bit));
+        }
         self.sink.align();
         let size = (self.sink.position() - unit.start) / 8;
         let mut start = (unit.start / 8) as usize;

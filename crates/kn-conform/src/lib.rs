@@ -4,6 +4,7 @@ mod affine;
 mod assemble;
 mod bits;
 mod corpus;
+mod coverage;
 mod environment;
 mod huffman;
 mod interpret;
@@ -20,6 +21,7 @@ pub use corpus::{
     CorpusError, Description, FOLDERS, Outcome, Report, Stream, Verdict, judge, load_corpus,
     run_foreign, run_ours,
 };
+pub use coverage::{Covered, coverage, coverage_page};
 pub use interpret::{CountAffine, GroupPayloads};
 pub use product::{example_trace, example_written, stream_trace};
 pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};

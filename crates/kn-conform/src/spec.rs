@@ -17,6 +17,8 @@ pub struct Spec {
     /// The worked examples, in the order of the chapters.
     pub examples: Vec<Example>,
     pub(crate) codes: Codes,
+    /// Headings so far.
+    sections: usize,
 }
 
 /// A clause with an id.
@@ -28,6 +30,8 @@ pub struct Rule {
     pub text: String,
     /// File name of its chapter.
     pub chapter: String,
+    /// Number of its section: headings counted through all chapters.
+    pub(crate) section: usize,
 }
 
 impl Rule {
@@ -45,6 +49,8 @@ impl Rule {
 pub struct Example {
     /// Chapter and line, as in `02-descriptors.md:41`.
     pub place: String,
+    /// Number of its section, as of rules.
+    pub(crate) section: usize,
     /// The table to read with, or `descriptor NAME(ARGUMENT)`.
     pub structure: String,
     /// Values that the example takes as known, such as `NodeCount`.
@@ -89,6 +95,7 @@ impl Spec {
             syntax: Syntax::default(),
             examples: Vec::new(),
             codes: Codes::new(&table),
+            sections: 0,
         };
         for chapter in chapters(folder)? {
             let name = chapter.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -108,9 +115,10 @@ impl Spec {
                 in_rule = false;
             } else if let Some(id) = line.strip_prefix("r[").and_then(|id| id.strip_suffix(']')) {
                 let (id, text, chapter) = (id.to_owned(), String::new(), chapter.to_owned());
-                self.rules.push(Rule { id, text, chapter });
+                self.rules.push(Rule { id, text, chapter, section: self.sections });
                 in_rule = true;
             } else if line.starts_with('#') || line.starts_with("*Note") {
+                self.sections += usize::from(line.starts_with('#'));
                 in_rule = false;
             } else if let Some(rule) = self.rules.last_mut().filter(|_| in_rule) {
                 rule.text.push_str(line);
@@ -136,7 +144,7 @@ impl Spec {
                 let place = format!("{chapter}:{line}");
                 let example = parse_example(&place, block)
                     .map_err(|reason| SpecError::Example { place, reason })?;
-                self.examples.push(example);
+                self.examples.push(Example { section: self.sections, ..example });
                 Ok(())
             }
             _ => Ok(()),
@@ -197,7 +205,14 @@ fn parse_example(place: &str, block: &[&str]) -> Result<Example, String> {
     let byte =
         |bits: &[bool]| (0..8).fold(0, |byte, i| byte << 1 | u8::from(bits.get(i) == Some(&true)));
     let bytes = bits.chunks(8).map(byte).collect();
-    Ok(Example { place: place.to_owned(), structure: structure.to_owned(), given, bytes, expected })
+    Ok(Example {
+        place: place.to_owned(),
+        section: 0,
+        structure: structure.to_owned(),
+        given,
+        bytes,
+        expected,
+    })
 }
 
 fn parse_given(text: &str) -> Option<(String, i64)> {

@@ -1,0 +1,180 @@
+//! Streams as the encoder writes them.
+
+use std::error::Error;
+
+use kn_codec::{AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern};
+use kn_conform::{Spec, count_affine_by_label};
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_mesh::Mesh;
+
+use crate::Draft;
+use crate::meshes::{ellipsoid, label, moved, opened, twins};
+
+pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
+    let plain = ellipsoid(9, 12);
+    let mut body = plain.clone();
+    label(&mut body);
+    let mut drafts = Vec::new();
+    let mut add = |name, danger, covers, meshes: &[Mesh], config| -> Result<(), Box<dyn Error>> {
+        let text = encoded(spec, meshes, config)?;
+        drafts.push(Draft { name, text, danger, rule: None, covers });
+        Ok(())
+    };
+    let config = || EncoderConfig {
+        grid: GridChoice::Bits { bits: 9, bounds: None },
+        nodes: 12,
+        ..EncoderConfig::default()
+    };
+    let still = |mesh: &Mesh| vec![mesh.clone()];
+    let short = |mesh: &Mesh| (0..3).map(|i| moved(mesh, f64::from(i))).collect::<Vec<_>>();
+
+    add(
+        "one_frame",
+        "A file may be one I-frame: no key nodes, no P-frame.",
+        &["intra.payload", "conformance.frame.sha256"],
+        &still(&plain),
+        config(),
+    )?;
+    for (name, danger, combination) in COMBINATIONS {
+        let config =
+            EncoderConfig { combination, affine: AffineChoice::Labels(vec![7]), ..config() };
+        let covers = &[
+            "nodes.affine",
+            "nodes.label.nearest",
+            "motion.counts",
+            "motion.order",
+            "deform.matrix",
+        ];
+        add(name, danger, covers, &short(&body), config)?;
+    }
+    add(
+        "rigid",
+        "Without affine nodes the component flags are zero, and rigid nodes still rotate.",
+        &["motion.absent", "deform.rotation", "deform.sincos", "header.labels.meaning"],
+        &short(&plain),
+        EncoderConfig { affine: AffineChoice::None, ..config() },
+    )?;
+    add(
+        "all_affine",
+        "With affine nodes only, a disabled rotation leaves no angles at all.",
+        &["motion.counts"],
+        &short(&plain),
+        EncoderConfig {
+            affine: AffineChoice::All,
+            combination: Combination::new(false, true, false),
+            ..config()
+        },
+    )?;
+    let long: Vec<Mesh> = (0..7).map(|i| moved(&plain, 0.5 * f64::from(i))).collect();
+    add(
+        "groups",
+        "Nothing of a group of frames is left in the next; the last group is short.",
+        &["conformance.access"],
+        &long,
+        EncoderConfig { group_length: 3, ..config() },
+    )?;
+    add(
+        "weights_sumner",
+        "The distance to the first node that is not used shapes these weights.",
+        &["header.weight.meaning", "deform.weights.sumner"],
+        &short(&body),
+        EncoderConfig { weights: WeightScheme::Sumner, ..config() },
+    )?;
+    add(
+        "weights_gaussian",
+        "The exponential is the polynomial of 8.1, and sigma is in grid steps.",
+        &["nodes.sigma.meaning", "deform.weights.gaussian", "deform.exp"],
+        &short(&body),
+        EncoderConfig { weights: WeightScheme::Gaussian { sigma: 40 }, ..config() },
+    )?;
+    add(
+        "strict",
+        "In strict mode a region's own nodes move it, fewer than Q of them replicated.",
+        &["deform.influence.replication", "header.influence.meaning"],
+        &short(&body),
+        EncoderConfig { influence: InfluenceMode::Strict, nodes_per_vertex: 8, ..config() },
+    )?;
+    add(
+        "one_node_per_vertex",
+        "With Q = 1 the weight is exactly 1.",
+        &["header.nodes.meaning", "deform.weights.normalise"],
+        &short(&plain),
+        EncoderConfig { nodes_per_vertex: 1, ..config() },
+    )?;
+    add(
+        "no_fraction",
+        "With fraction_bits 0 the reference is the frame that is shown.",
+        &["header.fraction.meaning", "deform.output", "motion.step.translation"],
+        &short(&plain),
+        EncoderConfig { fraction_bits: 0, ..config() },
+    )?;
+    add(
+        "names",
+        "Frames are named by the pattern; the header is longer by it.",
+        &["header.names.meaning"],
+        &short(&plain),
+        EncoderConfig {
+            names: Some(NamePattern { prefix: "figure_".into(), digits: 4, first: 9 }),
+            ..config()
+        },
+    )?;
+    add(
+        "no_digests",
+        "Without digests the faces_digest is absent too.",
+        &["frame.name.meaning"],
+        &short(&plain),
+        EncoderConfig { digests: false, ..config() },
+    )?;
+    add(
+        "open",
+        "A mesh with a boundary, and a vertex that no face uses.",
+        &["intra.payload"],
+        &short(&opened(&plain)),
+        config(),
+    )?;
+    add(
+        "two_components",
+        "A mesh of two parts.",
+        &["intra.payload"],
+        &short(&twins(&body)),
+        config(),
+    )?;
+    Ok(drafts)
+}
+
+const COMBINATIONS: [(&str, &str, Combination); 8] = [
+    (
+        "combination_t",
+        "Affine nodes without rotation, scale and shear.",
+        Combination::new(false, false, false),
+    ),
+    ("combination_rt", "Affine nodes with rotation.", Combination::new(true, false, false)),
+    ("combination_ts", "Affine nodes with scale only.", Combination::new(false, true, false)),
+    ("combination_th", "Affine nodes with shear only.", Combination::new(false, false, true)),
+    (
+        "combination_rts",
+        "Rotation before scale: the order of the product.",
+        Combination::new(true, true, false),
+    ),
+    (
+        "combination_rth",
+        "Rotation before shear: the order of the product.",
+        Combination::new(true, false, true),
+    ),
+    (
+        "combination_tsh",
+        "Scale before shear: the order of the product.",
+        Combination::new(false, true, true),
+    ),
+    ("combination_rtsh", "All components.", Combination::new(true, true, true)),
+];
+
+/// The text of what the encoder makes of some meshes.
+fn encoded(spec: &Spec, meshes: &[Mesh], config: EncoderConfig) -> Result<String, Box<dyn Error>> {
+    let mut encoder = Encoder::new(Vec::new(), config)?;
+    for mesh in meshes {
+        encoder.push(mesh)?;
+    }
+    let stream = encoder.finish()?.writer;
+    Ok(spec.disassemble(&stream, &count_affine_by_label)?)
+}

@@ -1,0 +1,86 @@
+//! Makes `spec/conformance` anew: `cargo run --release -p kn-conform --example make_corpus`.
+//!
+//! Core streams come from the encoder. Uncommon and faulty ones are texts, written here by hand or
+//! made from a sound text by a few edits, and assembled by the syntax tables. Expected frames are
+//! those of our decoder.
+
+mod core_streams;
+mod faulty;
+mod meshes;
+mod texts;
+mod uncommon;
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use kn_conform::{Description, Outcome, Spec, count_affine_by_label, run_ours};
+
+/// A stream to be: its text and what it is about.
+struct Draft {
+    name: &'static str,
+    text: String,
+    danger: &'static str,
+    /// The rule that it breaks; none for a sound stream.
+    rule: Option<&'static str>,
+    covers: &'static [&'static str],
+}
+
+fn main() -> ExitCode {
+    match make() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn make() -> Result<(), Box<dyn Error>> {
+    let spec_folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../spec"));
+    let spec = Spec::load(&spec_folder)?;
+    let corpus = spec_folder.join("conformance");
+    let folders = [
+        ("core", core_streams::drafts(&spec)?),
+        ("uncommon", uncommon::drafts()?),
+        ("faulty", faulty::drafts()?),
+    ];
+    let mut failures = Vec::new();
+    for (folder, drafts) in folders {
+        let folder = corpus.join(folder);
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)?;
+        }
+        std::fs::create_dir_all(&folder)?;
+        for draft in drafts {
+            if let Err(error) = write(&spec, &folder, &draft) {
+                failures.push(format!("{}: {error}", draft.name));
+            }
+        }
+    }
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n").into()) }
+}
+
+/// Writes a stream's three files, if our decoder finds of it what the draft says.
+fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>> {
+    let stream = spec.assemble(&draft.text, &count_affine_by_label)?;
+    let path = folder.join(draft.name).with_extension("knm");
+    std::fs::write(&path, &stream)?;
+    std::fs::write(path.with_extension("txt"), &draft.text)?;
+    let frames = match (run_ours(&path), draft.rule) {
+        (Outcome::Frames(frames), None) => frames,
+        (Outcome::Refused { rule, .. }, Some(expected)) if rule.as_deref() == Some(expected) => {
+            Vec::new()
+        }
+        (outcome, _) => return Err(format!("not as expected: {outcome:?}").into()),
+    };
+    let description = Description {
+        danger: draft.danger.into(),
+        covers: draft.covers.iter().map(|&id| id.to_owned()).collect(),
+        rule: draft.rule.map(str::to_owned),
+        frames,
+    };
+    let json = serde_json::to_string_pretty(&description)? + "\n";
+    std::fs::write(path.with_extension("json"), json)?;
+    Ok(())
+}

@@ -1,0 +1,78 @@
+//! Small meshes for the corpus.
+
+use kn_mesh::Mesh;
+
+/// A stretched sphere of `rings` × `sectors` vertices and two poles, 2 high about the origin.
+pub(crate) fn ellipsoid(rings: u32, sectors: u32) -> Mesh {
+    use std::f64::consts::{PI, TAU};
+    let mut mesh = Mesh::default();
+    mesh.positions.push([0.0, 1.0, 0.0]);
+    for ring in 1..=rings {
+        let polar = PI * f64::from(ring) / f64::from(rings + 1);
+        for sector in 0..sectors {
+            let around = TAU * f64::from(sector) / f64::from(sectors);
+            let (sin, cos) = (libm::sin(polar), libm::cos(polar));
+            let (x, z) = (0.5 * sin * libm::cos(around), 0.3 * sin * libm::sin(around));
+            mesh.positions.push([x as f32, cos as f32, z as f32]);
+        }
+    }
+    mesh.positions.push([0.0, -1.0, 0.0]);
+    let at = |ring: u32, sector: u32| 1 + ring * sectors + sector % sectors;
+    let last = rings * sectors + 1;
+    for sector in 0..sectors {
+        mesh.faces.push([0, at(0, sector + 1), at(0, sector)]);
+        for ring in 0..rings - 1 {
+            let [a, b] = [at(ring, sector), at(ring, sector + 1)];
+            let [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
+            mesh.faces.extend([[a, b, d], [a, d, c]]);
+        }
+        mesh.faces.push([last, at(rings - 1, sector), at(rings - 1, sector + 1)]);
+    }
+    mesh
+}
+
+/// Labels by height and side: head, torso, left and right thigh.
+pub(crate) fn label(mesh: &mut Mesh) {
+    let label = |[x, y, _]: &[f32; 3]| match (*y, *x) {
+        (y, _) if y > 0.6 => 0,
+        (y, x) if y < -0.4 => {
+            if x >= 0.0 {
+                8
+            } else {
+                11
+            }
+        }
+        _ => 7,
+    };
+    mesh.labels = mesh.positions.iter().map(label).collect();
+}
+
+/// The mesh at a time: it drifts, sways more the higher it is, and twists.
+pub(crate) fn moved(mesh: &Mesh, time: f64) -> Mesh {
+    let move_point = |&[x, y, z]: &[f32; 3]| {
+        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+        let angle = 0.1 * time * y;
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let (x, z) = (cos * x + sin * z, cos * z - sin * x);
+        let sway = 0.05 * libm::sin(time) * (1.0 + y);
+        [(x + sway) as f32, (y + 0.02 * time) as f32, (z * (1.0 + 0.05 * time)) as f32]
+    };
+    let positions = mesh.positions.iter().map(move_point).collect();
+    Mesh { positions, ..mesh.clone() }
+}
+
+/// The mesh without the faces that touch its upper pole: open, with a boundary.
+pub(crate) fn opened(mesh: &Mesh) -> Mesh {
+    let faces = mesh.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
+    Mesh { faces, ..mesh.clone() }
+}
+
+/// Two meshes in one, the second beside the first.
+pub(crate) fn twins(mesh: &Mesh) -> Mesh {
+    let mut both = mesh.clone();
+    let count = mesh.positions.len() as u32;
+    both.positions.extend(mesh.positions.iter().map(|[x, y, z]| [x + 1.5, *y, *z]));
+    both.faces.extend(mesh.faces.iter().map(|face| face.map(|vertex| vertex + count)));
+    both.labels.extend_from_slice(&mesh.labels);
+    both
+}

@@ -1,0 +1,206 @@
+//! Texts of streams, by hand and by editing.
+
+use std::error::Error;
+use std::fmt::Write as _;
+
+use kn_codec::digest::positions_digest;
+use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_mesh::GridMesh;
+
+/// A text that edits can change line by line.
+#[derive(Clone)]
+pub(crate) struct Text(Vec<String>);
+
+impl Text {
+    pub(crate) fn new(text: &str) -> Self {
+        Self(text.lines().map(str::to_owned).collect())
+    }
+
+    /// Replaces the value in the `nth` line of an element.
+    pub(crate) fn set(mut self, name: &str, nth: usize, value: &str) -> Self {
+        let at = self.find(name, nth);
+        self.0[at] = format!("{name} = {value}");
+        self
+    }
+
+    /// Puts lines before the `nth` line of an element.
+    pub(crate) fn before(mut self, name: &str, nth: usize, lines: &[&str]) -> Self {
+        let at = self.find(name, nth);
+        self.0.splice(at..at, lines.iter().map(|line| (*line).to_owned()));
+        self
+    }
+
+    /// Puts lines after the `nth` line of an element.
+    pub(crate) fn after(mut self, name: &str, nth: usize, lines: &[&str]) -> Self {
+        let at = self.find(name, nth) + 1;
+        self.0.splice(at..at, lines.iter().map(|line| (*line).to_owned()));
+        self
+    }
+
+    /// Takes the `nth` line of an element away.
+    pub(crate) fn without(mut self, name: &str, nth: usize) -> Self {
+        let at = self.find(name, nth);
+        self.0.remove(at);
+        self
+    }
+
+    /// Takes the `nth` unit away.
+    pub(crate) fn without_unit(mut self, nth: usize) -> Self {
+        let start = self.find("unit_type", nth);
+        let is_next = |line: &String| line.starts_with("unit_type");
+        let rest = self.0[start + 1..].iter().position(is_next);
+        let end = rest.map_or(self.0.len(), |length| start + 1 + length);
+        self.0.drain(start..end);
+        self
+    }
+
+    /// Puts a copy of one unit before another.
+    pub(crate) fn copy_unit(mut self, from: usize, before: usize) -> Self {
+        let copy = self.0[self.find("unit_type", from)..self.find("unit_type", from + 1)].to_vec();
+        let at = self.find("unit_type", before);
+        self.0.splice(at..at, copy);
+        self
+    }
+
+    /// Puts a copy of a unit behind it.
+    pub(crate) fn repeat_unit(self, nth: usize) -> Self {
+        self.copy_unit(nth, nth + 1)
+    }
+
+    /// Gives elements other names.
+    pub(crate) fn map_names(mut self, names: &[(&str, &str)]) -> Self {
+        for line in &mut self.0 {
+            for (from, to) in names {
+                if let Some(rest) = line.strip_prefix(from).filter(|rest| rest.starts_with(" =")) {
+                    *line = format!("{to}{rest}");
+                    break;
+                }
+            }
+        }
+        self
+    }
+
+    /// Takes the P-frame away: what is before it is broken already.
+    pub(crate) fn without_motion(self) -> Self {
+        self.without_unit(3)
+    }
+
+    /// Puts a line at the end.
+    pub(crate) fn end(mut self, line: &str) -> Self {
+        self.0.push(line.to_owned());
+        self
+    }
+
+    pub(crate) fn build(self) -> String {
+        self.0.join("\n") + "\n"
+    }
+
+    fn find(&self, name: &str, nth: usize) -> usize {
+        let is_it = |line: &String| line.split(" =").next() == Some(name);
+        let mut places = (0..self.0.len()).filter(|&place| is_it(&self.0[place]));
+        places.nth(nth).unwrap_or_else(|| panic!("there is no line {name} number {nth}"))
+    }
+}
+
+/// A strip of triangles on the grid: two rows of `columns` vertices, 16 steps apart, with labels
+/// that change from `labels[0]` to `labels[1]` in the middle, or without.
+pub(crate) fn strip(columns: u32, labels: Option<[u8; 2]>) -> GridMesh {
+    let mut mesh = GridMesh::default();
+    for column in 0..columns {
+        for row in 0..2 {
+            mesh.positions.push([16 * column as i32, 16 * row, (column * column % 7) as i32]);
+            mesh.labels.extend(labels.map(|labels| labels[usize::from(column >= columns / 2)]));
+        }
+    }
+    for column in 0..columns - 1 {
+        let at = 2 * column;
+        mesh.faces.extend([[at, at + 2, at + 1], [at + 1, at + 2, at + 3]]);
+    }
+    mesh
+}
+
+/// The lines of an I-frame unit without digests.
+pub(crate) fn intra_unit(mesh: &GridMesh) -> Result<String, Box<dyn Error>> {
+    let mut payload = Vec::new();
+    encode_intra(mesh, &mut payload).map_err(|error| error.to_string())?;
+    let mut text =
+        String::from("\nunit_type = 2\ndigest_present = 0\nname_present = 0\nintra_payload = x");
+    for byte in payload {
+        write!(text, "{byte:02x}")?;
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+/// The digest of a mesh's positions as they are decoded, in decoded order.
+pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64, Box<dyn Error>> {
+    let mut payload = Vec::new();
+    encode_intra(mesh, &mut payload).map_err(|error| error.to_string())?;
+    let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
+    let mut decoded = GridMesh::default();
+    decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut decoded)
+        .map_err(|error| error.to_string())?;
+    Ok(positions_digest(&decoded.positions))
+}
+
+/// The lines of a sequence header unit: level 0, a metre grid, Q = 4, body labels, fallback.
+pub(crate) const HEADER: &str = "\
+unit_type = 1
+version = 0
+profile = 0
+level = 0
+frame_rate_numerator = 30
+frame_rate_denominator = 1
+up_axis = 1
+unit_of_length = 1
+fraction_bits = 8
+max_group_length = 4
+nodes_per_vertex = 4
+weight_scheme = 0
+influence_mode = 1
+label_set = 1
+names_present = 0
+grid_origin = 0.0 0.0 0.0
+grid_step = 0.001
+";
+
+/// Two nodes on vertices 1 and 10, affine by label 7.
+pub(crate) const NODES: &str = "
+unit_type = 3
+node_count = 2
+node_coding = 0
+affine_mode = 1
+affine_label = 0*7 1 0*7
+node_vertex_rice = 2
+node_vertex_gap = 1 8
+";
+
+/// A P-frame for one rigid and one affine node, RTS.
+pub(crate) const MOTION: &str = "
+unit_type = 4
+digest_present = 0
+name_present = 0
+reference_mode = 0
+entropy_mode = 0
+residual_present = 0
+translation_mode = 0
+rotation_enabled = 1
+scale_enabled = 1
+shear_enabled = 0
+translation_step = 24
+translation_table = 10
+rotation_step = 24
+scale_step = 24
+parameter_table = 10
+translation = 3 -1 0 5 0 -2
+rotation = 1 0 -2 0 4 1
+scale = 2 -1 1
+";
+
+pub(crate) const INDEX: &str = "\nunit_type = 5\n";
+
+/// A whole sound stream of two frames by hand: a strip of 16 vertices, head and torso.
+pub(crate) fn by_hand() -> Result<Text, Box<dyn Error>> {
+    let intra = intra_unit(&strip(8, Some([0, 7])))?;
+    Ok(Text::new(&format!("{HEADER}{intra}{NODES}{MOTION}{INDEX}")))
+}
