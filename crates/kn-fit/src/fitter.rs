@@ -155,16 +155,54 @@ impl Fitter {
         Ok(())
     }
 
-    /// The loop of matching and minimising.
+    /// Goes on from `transforms`, which nearly fit.
+    pub(crate) fn continue_frame(
+        &mut self,
+        source: &FitSource,
+        target: &FitTarget,
+        options: &FitOptions,
+        mut transforms: Vec<NodeTransform>,
+    ) -> Result<Vec<NodeTransform>, FitError> {
+        self.check(source)?;
+        let combinations = combinations(source, options.combination);
+        let frame = Frame { source, target, options, combinations: &combinations };
+        self.hints.reset(source.positions.len(), target.sample.vertices.len());
+        self.deformed.update(source, &transforms);
+        self.descend(frame, Schedule::continuing(options.regularisation), &mut transforms)?;
+        Ok(transforms)
+    }
+
+    /// From the best start to rest. A fit that ends farther from the target than it began is given
+    /// up for its start.
     fn track(&mut self, frame: Frame) -> Result<(Vec<NodeTransform>, FitReport), FitError> {
         let Frame { source, target, options, .. } = frame;
         self.hints.reset(source.positions.len(), target.sample.vertices.len());
-        let mut transforms = self.start(frame);
+        let start = self.start(frame);
+        self.deformed.update(source, &start);
+        let before = coarse::correspond(&self.group, &self.deformed, target).gap();
+        let mut transforms = start.clone();
+        let schedule = Schedule::new(options.regularisation, options.max_steps);
+        let mut report = self.descend(frame, schedule, &mut transforms)?;
+        let after = coarse::correspond(&self.group, &self.deformed, target).gap();
+        if after <= before {
+            return Ok((transforms, report));
+        }
+        report.converged = false;
+        self.deformed.update(source, &start);
+        Ok((start, report))
+    }
+
+    /// The loop of matching and minimising; `self.deformed` must be up to date.
+    fn descend(
+        &mut self,
+        frame: Frame,
+        mut schedule: Schedule,
+        transforms: &mut [NodeTransform],
+    ) -> Result<FitReport, FitError> {
+        let Frame { source, options, .. } = frame;
         let edge = mean_edge(source.positions, source.faces);
-        let mut schedule = Schedule::new(options.regularisation, options.max_steps);
         let mut report = FitReport::default();
         let (mut factored_at, mut kept) = (f64::INFINITY, None);
-        self.deformed.update(source, &transforms);
         loop {
             let (stage, keeps) = (schedule.stage, kept.is_some());
             let matches = self.correspond(frame, stage, kept.take())?;
@@ -177,8 +215,8 @@ impl Fitter {
             // L_orth relaxes together with L_reg.
             let stiffness = schedule.regularisation / options.regularisation.max(f64::MIN_POSITIVE);
             let effort = Effort { stiffness, refactor, iterations: ITERATIONS };
-            report.evaluations += self.minimise(frame, effort, &mut transforms);
-            self.deformed.update(source, &transforms);
+            report.evaluations += self.minimise(frame, effort, transforms);
+            self.deformed.update(source, transforms);
             if !schedule.advance(matches.residual(), self.deformed.moved() / edge) {
                 break;
             }
@@ -189,7 +227,7 @@ impl Fitter {
         }
         report.steps = schedule.steps;
         report.converged = schedule.converged;
-        Ok((transforms, report))
+        Ok(report)
     }
 
     /// Of no motion, the previous frame's motion and the parts' rigid alignments the one with the

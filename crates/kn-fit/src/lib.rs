@@ -12,6 +12,7 @@ mod deformed;
 mod energy;
 mod error;
 mod fitter;
+mod generate;
 mod geodesic;
 mod group;
 mod matching;
@@ -33,6 +34,7 @@ mod vec3;
 
 pub use error::{FitError, Side};
 pub use fitter::Fitter;
+pub use generate::{GenerateOptions, NodeSource, generate_nodes};
 pub use options::{FitOptions, PartStart};
 pub use place::place_farthest;
 pub use register::{RegisterOptions, Registration, register};

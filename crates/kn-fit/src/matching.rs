@@ -143,7 +143,16 @@ impl Correspondences {
         Ok(Self { forward, backward: backward? })
     }
 
-    /// The sum of both root mean squares.
+    /// The sum of both root mean squares of all distances, accepted or not.
+    pub(crate) fn gap(&self) -> f64 {
+        let mean = |matches: &[Match]| {
+            let sum: f64 = matches.iter().map(|m| m.distance * m.distance).sum();
+            (sum / matches.len().max(1) as f64).sqrt()
+        };
+        mean(&self.forward) + mean(&self.backward)
+    }
+
+    /// The sum of both root mean squares of the accepted distances.
     pub(crate) fn residual(&self) -> f64 {
         root_mean_square(&self.forward) + root_mean_square(&self.backward)
     }

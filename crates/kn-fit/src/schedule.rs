@@ -21,6 +21,8 @@ const STALL: f64 = 0.8;
 const STILL: f64 = 0.05;
 /// Steps before matches are looked for on the surface.
 const COARSE_STEPS: usize = 5;
+/// Steps of a continued fit.
+const CONTINUING_STEPS: usize = 4;
 /// Steps with every vertex.
 const FULL_STEPS: usize = 2;
 
@@ -51,6 +53,15 @@ impl Schedule {
             max_steps: max_steps.max(FULL_STEPS),
             full_steps: 0,
             last_residual: f64::INFINITY,
+        }
+    }
+
+    /// For a motion that is nearly right: few steps on the surfaces, as relaxed as at the end.
+    pub(crate) fn continuing(final_regularisation: f64) -> Self {
+        Self {
+            stage: Stage::Sampled,
+            regularisation: final_regularisation,
+            ..Self::new(final_regularisation, CONTINUING_STEPS)
         }
     }
 
