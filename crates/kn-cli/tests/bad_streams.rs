@@ -1,0 +1,142 @@
+//! Broken streams: an error that names file, frame, bit and rule, exit code 2, nothing left behind.
+
+mod common;
+
+use common::{Scans, fails, kn, names_in, stderr, succeeds};
+use std::fs;
+use std::path::Path;
+
+/// An encoded sequence and the byte where its second frame begins.
+fn encoded() -> (Scans, Vec<u8>) {
+    let scans = Scans::new();
+    let bytes = fs::read(scans.encoded()).expect("written");
+    (scans, bytes)
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+/// Byte offset, name and value of every element.
+fn elements(dump: &str) -> Vec<(usize, &str, &str)> {
+    let parse = |line: &str| -> Option<(usize, usize)> {
+        let bit = line.split_whitespace().next()?.parse::<usize>().ok()?;
+        Some((bit / 8, line.len()))
+    };
+    dump.lines()
+        .filter_map(|line| {
+            let (byte, _) = parse(line)?;
+            let mut words = line.split_whitespace().skip(1);
+            Some((byte, words.next()?, words.next()?))
+        })
+        .collect()
+}
+
+#[test]
+fn a_truncated_stream_is_refused_or_taken_in_part() {
+    let (scans, bytes) = encoded();
+    let dump = succeeds(["dump", &scans.text("a.knm")]);
+    let elements = elements(&dump);
+    let frame_ends = elements
+        .windows(2)
+        .filter(|pair| pair[0].1 == "unit_crc" && matches!(pair[1], (_, "unit_type", "2" | "4" | "5")))
+        .map(|pair| pair[1].0);
+    // In front of frame 1, 2, ... and of the index; the header's end comes first.
+    for (frames, end) in frame_ends.enumerate().skip(1) {
+        for cut in [end, end + 1] {
+            fs::write(scans.path("cut.knm"), &bytes[..cut]).expect("written");
+            let message = fails(["decode", &scans.text("cut.knm"), "-o", &scans.text("out")]);
+            let said = format!("the stream ends after {cut} bytes and {frames} whole frames");
+            assert!(message.contains("cut.knm: ") && message.contains(&said), "{message}");
+            assert!(!scans.path("out").exists());
+            let (input, output) = (scans.text("cut.knm"), scans.text("out"));
+            succeeds(["decode", &input, "-o", &output, "--partial"]);
+            assert_eq!(names_in(&scans.path("out")).len(), frames);
+            fs::remove_dir_all(scans.path("out")).expect("removed");
+        }
+    }
+}
+
+#[test]
+fn every_command_refuses_a_stream_cut_anywhere() {
+    let (scans, bytes) = encoded();
+    let path = scans.path("cut.knm");
+    let cuts = (0..=64).map(|i| i * (bytes.len() - 1) / 64);
+    for (turn, cut) in cuts.enumerate() {
+        fs::write(&path, &bytes[..cut]).expect("written");
+        let command = ["info", "dump", "verify"][turn % 3];
+        let output = kn([command, text(&path)]);
+        assert_eq!(output.status.code(), Some(2), "{command} at {cut}");
+        assert!(stderr(&output).contains("cut.knm: "), "{command} at {cut}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn bytes_after_the_end() {
+    let (scans, mut bytes) = encoded();
+    bytes.push(0);
+    fs::write(scans.path("long.knm"), &bytes).expect("written");
+    let message = fails(["verify", &scans.text("long.knm")]);
+    assert!(message.contains("long.knm: ") && message.contains("rule file.order"), "{message}");
+}
+
+#[test]
+fn a_flipped_bit_is_a_crc_error_that_names_the_unit() {
+    let (scans, bytes) = encoded();
+    let dump = succeeds(["dump", &scans.text("a.knm")]);
+    let intra = elements(&dump).into_iter().filter(|element| element.1 == "intra_payload");
+    for (byte, ..) in intra {
+        let mut bytes = bytes.clone();
+        bytes[byte + 40] ^= 0x10;
+        fs::write(scans.path("flip.knm"), &bytes).expect("written");
+        let message = fails(["decode", &scans.text("flip.knm"), "-o", &scans.text("out")]);
+        assert!(message.contains("flip.knm: frame "), "{message}");
+        assert!(message.contains("rule unit.crc.match"), "{message}");
+    }
+    assert!(!scans.path("out").exists());
+}
+
+#[test]
+fn a_header_that_promises_too_much() {
+    let scans = Scans::new();
+    let signature = 0x8B4B_4E4D_0D0A_1A0A_u64.to_be_bytes();
+    let huge = [&signature[..], &[1, 0xff, 0xff, 0xff, 0xff, 0x0f]].concat();
+    fs::write(scans.path("huge.knm"), huge).expect("written");
+    let message = fails(["info", &scans.text("huge.knm")]);
+    assert!(message.contains("huge.knm: bit ") && message.contains("rule unit.size"), "{message}");
+
+    fs::write(scans.path("other.knm"), "solid cube").expect("written");
+    let message = fails(["info", &scans.text("other.knm")]);
+    assert!(message.contains("other.knm: bit 0: ") && message.contains("file.signature"), "{message}");
+}
+
+#[test]
+fn a_wrong_digest_is_a_difference_and_no_error() {
+    let (scans, mut bytes) = encoded();
+    let dump = succeeds(["dump", &scans.text("a.knm")]);
+    let elements = elements(&dump);
+    // The second unit_type 4 begins frame 2; its digest changes and its CRC is mended.
+    let is_motion = |element: &&(usize, &str, &str)| element.1 == "unit_type" && element.2 == "4";
+    let start = elements.iter().filter(is_motion).nth(1).expect("two P-frames").0;
+    let after = |name: &str| {
+        let found = elements.iter().find(|element| element.0 > start && element.1 == name);
+        found.expect("in every frame").0
+    };
+    let (digest, crc) = (after("positions_digest"), after("unit_crc"));
+    bytes[digest] ^= 1;
+    let mended = crc32(&bytes[start..crc]).to_be_bytes();
+    bytes[crc..crc + 4].copy_from_slice(&mended);
+    fs::write(scans.path("differs.knm"), &bytes).expect("written");
+
+    let output = kn(["verify", &scans.text("differs.knm")]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("differs.knm: frame 2: the decoded positions do not match"), "{said}");
+    assert_eq!(succeeds(["verify", &scans.text("a.knm")]).matches("all digests match").count(), 1);
+}
+
+/// CRC-32 of IEEE 802.3, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step))
+}

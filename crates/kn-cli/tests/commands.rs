@@ -1,0 +1,207 @@
+//! What the commands do with sound input.
+
+mod common;
+
+use common::{FRAMES, Scans, command, fails, kn, names_in, stderr, succeeds};
+use kn_mesh::io::read_mesh;
+use serde_json::Value;
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const COMMANDS: [&str; 7] = ["encode", "decode", "info", "dump", "verify", "compare", "demo"];
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn every_command_explains_itself_with_examples() {
+    for command in COMMANDS {
+        let help = succeeds([command, "--help"]);
+        assert!(help.contains("Examples:") && help.contains(&format!("  kn {command} ")), "{help}");
+        for flag in ["--threads", "--quiet"] {
+            assert!(help.contains(flag), "{command} {flag}");
+        }
+    }
+    assert!(succeeds(["--version"]).starts_with("kn 0."));
+    assert_eq!(kn(["no-such-command"]).status.code(), Some(2));
+    assert_eq!(kn::<&str>([]).status.code(), Some(2));
+}
+
+#[test]
+fn scans_come_back_within_half_a_step_and_under_their_names() {
+    let scans = Scans::new();
+    let step = 0.002;
+    let (step_text, report) = (step.to_string(), scans.text("report.json"));
+    succeeds(scans.encode("scan", &["--step", &step_text, "--report", &report, "--unit", "m"]));
+    succeeds(["decode", &scans.text("a.knm"), "-o", &scans.text("out"), "--format", "ply"]);
+    let expected: Vec<String> = (0..FRAMES).map(|i| format!("f_{:02}.ply", i + 8)).collect();
+    assert_eq!(names_in(&scans.path("out")), expected);
+
+    // Frames 0 and 3 are I-frames: each decoded vertex is a scanned one, rounded to the grid.
+    for frame in [0, 3] {
+        let scan = read_mesh(&scans.file(frame), &Default::default()).expect("a scan").mesh;
+        let out = scans.path("out").join(&expected[frame]);
+        let decoded = read_mesh(&out, &Default::default()).expect("a mesh").mesh;
+        assert_eq!(decoded.faces.len(), scan.faces.len());
+        for vertex in &decoded.positions {
+            let near = |p: &[f32; 3]| {
+                (0..3).all(|i| f64::from(p[i] - vertex[i]).abs() <= 0.5001 * step)
+            };
+            assert!(scan.positions.iter().any(near), "frame {frame}: {vertex:?}");
+        }
+    }
+    let report = json(&fs::read_to_string(report).expect("written"));
+    assert_eq!(report["frames"].as_array().map(Vec::len), Some(FRAMES));
+    assert_eq!(report["frames"][1]["coded"]["kind"], "P");
+    assert_eq!(report["settings"]["step"], step);
+    let bytes = fs::metadata(scans.path("a.knm")).expect("written").len();
+    assert_eq!(report["bytes"], bytes);
+}
+
+#[test]
+fn info_has_every_frame() {
+    let scans = Scans::new();
+    let stream = scans.encoded();
+    let info = json(&succeeds([Path::new("info"), &stream, Path::new("--json")]));
+    let keys: Vec<&String> = info.as_object().expect("an object").keys().collect();
+    assert_eq!(keys, ["bytes", "fps", "frames"]);
+    assert_eq!(info["bytes"], fs::metadata(&stream).expect("written").len());
+    assert_eq!(info["fps"], 30.0);
+    let frames = info["frames"].as_array().expect("an array");
+    let kinds: Vec<&str> = frames.iter().filter_map(|frame| frame["kind"].as_str()).collect();
+    assert_eq!(kinds, ["I", "P", "P", "I", "P"]);
+    for (index, frame) in frames.iter().enumerate() {
+        let keys: Vec<&String> = frame.as_object().expect("an object").keys().collect();
+        assert_eq!(keys, ["bytes", "faces", "index", "kind", "nodes", "vertices"]);
+        assert_eq!(frame["index"], index);
+        assert_eq!(frame["nodes"], if frame["kind"] == "I" { 0 } else { 24 });
+    }
+    assert!(succeeds([Path::new("info"), &stream]).contains("5 frames (2 I, 3 P)"));
+}
+
+#[test]
+fn dump_covers_the_file() {
+    let scans = Scans::new();
+    let stream = scans.encoded();
+    let dump = succeeds([Path::new("dump"), &stream]);
+    let bits: Vec<u64> = dump
+        .lines()
+        .map(|line| line.split_whitespace().next().and_then(|bit| bit.parse().ok()).expect("a bit"))
+        .collect();
+    assert!(bits.is_sorted_by(|a, b| a < b), "every element has bits of its own");
+    assert_eq!(bits[0], 0);
+    let size = fs::metadata(&stream).expect("written").len();
+    assert_eq!(bits.last(), Some(&(8 * size - 32)), "the last element is a CRC");
+    assert!(dump.contains("translation[23][2]"), "{dump}");
+}
+
+#[test]
+fn frames_can_be_chosen() {
+    let scans = Scans::new();
+    let stream = scans.encoded().to_string_lossy().into_owned();
+    succeeds(["decode", &stream, "-o", &scans.text("all")]);
+    succeeds(["decode", &stream, "-o", &scans.text("some"), "--frames", "2..3"]);
+    assert_eq!(names_in(&scans.path("some")), ["f_10.obj", "f_11.obj"]);
+    for name in names_in(&scans.path("some")) {
+        let read = |folder: &str| fs::read(scans.path(folder).join(&name)).expect("decoded");
+        assert_eq!(read("some"), read("all"), "{name}");
+    }
+    let message = fails(["decode", &stream, "-o", &scans.text("none"), "--frames", "5"]);
+    assert!(message.contains("there is no frame 5"), "{message}");
+    assert!(!scans.path("none").exists());
+}
+
+#[test]
+fn one_glb_holds_the_sequence() {
+    let scans = Scans::new();
+    let stream = scans.encoded().to_string_lossy().into_owned();
+    succeeds(["decode", &stream, "-o", &scans.text("all.glb")]);
+    succeeds(["encode", &scans.text("all.glb"), "-o", &scans.text("b.knm"), "--nodes", "24"]);
+    let info = json(&succeeds(["info", &scans.text("b.knm"), "--json"]));
+    assert_eq!(info["frames"].as_array().map(Vec::len), Some(FRAMES));
+}
+
+#[test]
+fn streams_go_through_pipes() {
+    let scans = Scans::new();
+    let mut arguments = scans.encode("scan", &[]);
+    arguments[3] = "-".into();
+    let encoded = kn(&arguments);
+    assert_eq!(encoded.status.code(), Some(0), "{}", stderr(&encoded));
+    assert_eq!(fs::read(scans.encoded()).expect("written"), encoded.stdout);
+
+    let mut child = command(["verify", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the binary starts");
+    child.stdin.take().expect("piped").write_all(&encoded.stdout).expect("taken");
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(said, "standard input: 5 frames, all digests match\n");
+}
+
+#[test]
+fn threads_do_not_change_the_stream() {
+    let scans = Scans::new();
+    let streams = ["1", "2", "8"].map(|threads| {
+        succeeds(scans.encode("scan", &["--threads", threads, "--quiet"]));
+        fs::read(scans.path("a.knm")).expect("written")
+    });
+    assert!(streams[0] == streams[1] && streams[0] == streams[2]);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let scans = Scans::new();
+    let output = kn(scans.encode("scan", &["--quiet"]));
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!((stderr(&output).as_str(), output.stdout.as_slice()), ("", &[][..]));
+    let output = kn(scans.encode("scan", &[]));
+    assert!(stderr(&output).contains("I-frames of"), "{}", stderr(&output));
+    assert!(!stderr(&output).contains('\r'), "no progress bar where there is no terminal");
+}
+
+#[test]
+fn a_closed_pipe_is_success() {
+    let scans = Scans::new();
+    let stream = scans.encoded();
+    let mut child = command([Path::new("dump"), &stream])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary starts");
+    let mut first = [0; 16];
+    child.stdout.take().expect("piped").read_exact(&mut first).expect("some output");
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_half_written() {
+    let scans = Scans::new();
+    // Enough work that the interrupt comes in the middle: the frames again and again.
+    for index in FRAMES..60 {
+        let copy = scans.path(&format!("scan/f_{:02}.obj", index + 8));
+        fs::copy(scans.file(index % FRAMES), copy).expect("copied");
+    }
+    let mut child =
+        command(scans.encode("scan", &[])).stderr(Stdio::null()).spawn().expect("starts");
+    let folder = scans.path("scan").parent().map(Path::to_owned).expect("a folder");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while names_in(&folder).len() < 2 && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(names_in(&folder).iter().any(|name| name.ends_with(".part")), "work has begun");
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill runs").success());
+    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    scans.assert_untouched();
+}
