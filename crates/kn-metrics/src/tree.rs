@@ -13,8 +13,8 @@ mod triangle;
 /// Queries that share hints and a thread.
 const CHUNK: usize = 512;
 
-/// Coordinates beyond this overflow in squared distances.
-const LARGEST: f64 = 1e100;
+/// Beyond this the fourth power of a distance overflows.
+const LARGEST: f64 = 1e60;
 
 /// Why no tree can be built over a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -36,8 +36,8 @@ pub enum TreeError {
         /// `#V`.
         vertex_count: usize,
     },
-    /// A coordinate is not a number, infinite, or beyond ±1e100.
-    #[error("vertex {vertex} has a coordinate that is not a number within ±1e100")]
+    /// A coordinate is not a number, infinite, or beyond ±1e60.
+    #[error("vertex {vertex} has a coordinate that is not a number within ±1e60")]
     NotFinite {
         /// The first such vertex.
         vertex: usize,
@@ -76,7 +76,7 @@ impl TriangleTree {
     /// Builds the tree over `faces` (`#F × 3`, indices into `positions`, `#V × 3`).
     ///
     /// # Errors
-    /// No face, an index out of range, a coordinate that is no number within ±1e100 (also of a
+    /// No face, an index out of range, a coordinate that is no number within ±1e60 (also of a
     /// vertex without faces).
     pub fn new(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, TreeError> {
         check(positions, faces)?;

@@ -1,0 +1,203 @@
+//! MSDM2, the multi-scale mesh structural distortion measure.
+//!
+//! G. Lavoué, «A multiscale metric for 3D mesh visual quality assessment», Computer Graphics Forum
+//! 30 (2011). It compares statistics of curvature over small neighbourhoods, after matching each
+//! vertex of the distorted mesh with the closest point of the original.
+
+use std::borrow::Cow;
+
+use crate::tree::{TreeError, TriangleTree, check};
+use crate::vec3::Vec3;
+use direction::Direction;
+use topology::Topology;
+
+mod curvature;
+mod direction;
+mod eigenvalues;
+mod exp;
+mod flood;
+mod matching;
+mod statistics;
+mod topology;
+
+/// The number of levels that MSDM2 is defined with.
+pub const DEFAULT_LEVELS: usize = 3;
+
+/// The largest number of levels.
+pub const MAX_LEVELS: usize = 16;
+
+/// Radius of the curvature's sphere at the first level, and its growth from level to level, as a
+/// part of the box's longest side.
+const FIRST_RADIUS: f64 = 0.002;
+const RADIUS_STEP: f64 = 0.001;
+
+/// Why MSDM2 cannot be computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Msdm2Error {
+    /// The mesh has no faces, or indices or coordinates that cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] TreeError),
+    /// All vertices of faces coincide: there is no length to measure curvature in.
+    #[error("the mesh has no extent")]
+    NoExtent,
+    /// No level, or too many.
+    #[error("{levels} levels asked for; 1 to {MAX_LEVELS} are defined")]
+    Levels {
+        /// The number asked for.
+        levels: usize,
+    },
+}
+
+/// Where a matched triangle's curvature is interpolated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// At the distorted vertex itself, as the reference program does. Where the closest point is
+    /// on a side or a corner, the result depends on which of its faces is taken: the lowest, but
+    /// at a corner one that starts with that corner goes first, as in the reference.
+    #[default]
+    AtVertex,
+    /// At the closest point: does not depend on the order of faces.
+    Projected,
+}
+
+/// A mesh prepared to be compared with others, as the original or as the distorted one.
+///
+/// Preparing costs the closest-point tree, the edges, and the curvature in the mesh's own unit;
+/// an encoder that compares many candidates with one scan prepares the scan once.
+#[derive(Clone, Debug)]
+pub struct Msdm2Surface {
+    positions: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
+    topology: Topology,
+    tree: TriangleTree,
+    /// `#V`: the lowest face that starts with the vertex, if any.
+    first_faces: Vec<Option<u32>>,
+    /// The longest side of the box.
+    side: f64,
+    levels: usize,
+    /// `#V × levels`, for the radii that `side` gives.
+    curvature: Vec<f64>,
+}
+
+/// MSDM2 from one distorted mesh to its original.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Msdm2Direction {
+    /// 0 for equal surfaces with equal tessellation, below 1.
+    pub score: f64,
+    /// `#V` of the distorted mesh, the mean of its levels for each vertex; 0 where isolated.
+    pub local: Vec<f64>,
+    /// Vertices without an edge, which do not enter the score.
+    pub isolated: usize,
+}
+
+/// MSDM2 in both directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Msdm2 {
+    /// The mean of both directions.
+    pub symmetric: f64,
+    /// How the degraded mesh differs from the reference: values on the degraded mesh (D→O, `ab`).
+    pub forward: Msdm2Direction,
+    /// The reverse, with values on the reference (`ba`).
+    pub backward: Msdm2Direction,
+}
+
+impl Msdm2Surface {
+    /// Prepares a mesh: `positions` `#V × 3`, `faces` `#F × 3`, and the number of levels (usually
+    /// [`DEFAULT_LEVELS`]).
+    ///
+    /// Safe on untrusted input; memory is proportional to the mesh. Vertices without faces do not
+    /// count for the box. An edge with one face or more than two bends nothing; beside a face
+    /// without area the curvature is 0.
+    ///
+    /// # Errors
+    /// What [`TriangleTree::new`] refuses, a mesh whose used vertices all coincide, no level or
+    /// more than [`MAX_LEVELS`].
+    pub fn new(
+        positions: &[[f64; 3]],
+        faces: &[[u32; 3]],
+        levels: usize,
+    ) -> Result<Self, Msdm2Error> {
+        if !(1..=MAX_LEVELS).contains(&levels) {
+            return Err(Msdm2Error::Levels { levels });
+        }
+        check(positions, faces)?;
+        let side = longest_side(faces.iter().flatten().map(|&vertex| positions[vertex as usize]));
+        if side == 0.0 {
+            return Err(Msdm2Error::NoExtent);
+        }
+        let (topology, tree) =
+            rayon::join(|| Topology::new(positions, faces), || TriangleTree::new(positions, faces));
+        let curvature = curvature::curvature(&topology, positions, side, &radii(side, levels));
+        let mut first_faces = vec![None; positions.len()];
+        for (index, face) in faces.iter().enumerate().rev() {
+            first_faces[face[0] as usize] = Some(index as u32);
+        }
+        let (positions, faces) = (positions.to_vec(), faces.to_vec());
+        Ok(Self { positions, faces, topology, tree: tree?, first_faces, side, levels, curvature })
+    }
+
+    /// The tree over the faces.
+    pub fn tree(&self) -> &TriangleTree {
+        &self.tree
+    }
+
+    /// `#V × levels` curvatures in units of 1 / `side`, at the radii that `side` gives.
+    fn curvature(&self, side: f64, levels: usize) -> Cow<'_, [f64]> {
+        if side == self.side && levels == self.levels {
+            return Cow::Borrowed(&self.curvature);
+        }
+        let radii = radii(side, levels);
+        Cow::Owned(curvature::curvature(&self.topology, &self.positions, side, &radii))
+    }
+}
+
+/// Both directions and their mean. The levels are those of `reference`.
+pub fn msdm2(
+    reference: &Msdm2Surface,
+    degraded: &Msdm2Surface,
+    interpolation: Interpolation,
+) -> Msdm2 {
+    let forward = msdm2_one_way(reference, degraded, interpolation);
+    let backward = one_way(degraded, reference, reference.levels, interpolation);
+    Msdm2 { symmetric: 0.5 * (forward.score + backward.score), forward, backward }
+}
+
+/// How `distorted` differs from `original`. The levels are those of `original`.
+pub fn msdm2_one_way(
+    original: &Msdm2Surface,
+    distorted: &Msdm2Surface,
+    interpolation: Interpolation,
+) -> Msdm2Direction {
+    one_way(original, distorted, original.levels, interpolation)
+}
+
+fn one_way(
+    original: &Msdm2Surface,
+    distorted: &Msdm2Surface,
+    levels: usize,
+    interpolation: Interpolation,
+) -> Msdm2Direction {
+    let matches = matching::closest_faces(original, &distorted.positions);
+    Direction::new(distorted, original, &matches, levels, interpolation).evaluate()
+}
+
+/// Radii of the curvature's spheres.
+fn radii(side: f64, levels: usize) -> Vec<f64> {
+    (0..levels).map(|level| side * (FIRST_RADIUS + RADIUS_STEP * level as f64)).collect()
+}
+
+fn longest_side(mut positions: impl Iterator<Item = Vec3>) -> f64 {
+    let Some(first) = positions.next() else { return 0.0 };
+    let (mut min, mut max) = (first, first);
+    for position in positions {
+        for axis in 0..3 {
+            min[axis] = min[axis].min(position[axis]);
+            max[axis] = max[axis].max(position[axis]);
+        }
+    }
+    (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests;

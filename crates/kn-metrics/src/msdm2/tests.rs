@@ -1,0 +1,214 @@
+use std::path::{Path, PathBuf};
+
+use super::direction::Scratch;
+use super::*;
+use crate::vec3::distance_squared;
+
+/// A torus of `around × across` quads cut into triangles; `bump` moves each vertex along its
+/// normal by a value from −1..=1.
+fn torus(around: u32, across: u32, bump: impl Fn(u32) -> f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let turn = |i: u32, n: u32| f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+    let vertex = |index: u32| {
+        let (u, v) = (turn(index / across, around), turn(index % across, across));
+        let radius = 0.4 + bump(index);
+        let ring = 1.0 + radius * libm::cos(v);
+        [ring * libm::cos(u), ring * libm::sin(u), radius * libm::sin(v)]
+    };
+    let quad = |index: u32| {
+        let (i, j) = (index / across, index % across);
+        let at = |i: u32, j: u32| (i % around) * across + j % across;
+        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+        [[a, b, c], [a, c, d]]
+    };
+    let count = around * across;
+    ((0..count).map(vertex).collect(), (0..count).flat_map(quad).collect())
+}
+
+/// A hash in −1..=1.
+fn noise(index: u32) -> f64 {
+    let mixed = index.wrapping_add(1).wrapping_mul(0x9e37_79b9);
+    let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x85eb_ca6b);
+    f64::from((mixed ^ (mixed >> 13)) as i32) / f64::from(i32::MAX)
+}
+
+fn surface((positions, faces): &(Vec<Vec3>, Vec<[u32; 3]>)) -> Msdm2Surface {
+    Msdm2Surface::new(positions, faces, DEFAULT_LEVELS).unwrap()
+}
+
+fn scores(result: &Msdm2) -> [f64; 2] {
+    [result.forward.score, result.backward.score]
+}
+
+fn assert_scores(found: [f64; 2], expected: [f64; 2]) {
+    let near = (0..2).all(|i| (found[i] - expected[i]).abs() < 1e-9);
+    assert!(near, "{found:?} instead of {expected:?}");
+}
+
+/// Frozen once the 44 pairs of the oracle agreed.
+#[test]
+fn own_meshes_keep_their_values() {
+    let smooth = surface(&torus(90, 45, |i| 0.0005 * noise(i + 7000)));
+    let noisy = surface(&torus(90, 45, |i| 0.002 * noise(i)));
+    let coarse = surface(&torus(61, 29, |_| 0.0));
+    let of = |a, b, interpolation| scores(&msdm2(a, b, interpolation));
+    for (found, expected) in [
+        (of(&smooth, &noisy, Interpolation::Projected), [0.420620421005, 0.419840569804]),
+        (of(&smooth, &noisy, Interpolation::AtVertex), [0.420657049038, 0.408835772104]),
+        (of(&smooth, &coarse, Interpolation::Projected), [0.182790726894, 0.276279588247]),
+        (of(&noisy, &coarse, Interpolation::Projected), [0.321126481159, 0.469156299693]),
+    ] {
+        assert_scores(found, expected);
+    }
+}
+
+#[test]
+fn a_mesh_is_equal_to_itself() {
+    let mesh = surface(&torus(40, 20, |i| 0.01 * noise(i)));
+    let result = msdm2(&mesh, &mesh, Interpolation::AtVertex);
+    assert!(result.symmetric < 1e-12 && result.forward == result.backward);
+    assert_eq!(result.forward.local.len(), 800);
+}
+
+#[test]
+fn size_and_place_do_not_matter() {
+    let (a, b) = (torus(40, 20, |i| 0.01 * noise(i + 900)), torus(40, 20, |i| 0.01 * noise(i)));
+    let moved = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>), scale: f64| {
+        let position = |p: &Vec3| [p[0] * scale + 3.0 * scale, p[1] * scale, p[2] * scale];
+        surface(&(mesh.0.iter().map(position).collect(), mesh.1.clone()))
+    };
+    let expected = scores(&msdm2(&surface(&a), &surface(&b), Interpolation::Projected));
+    for scale in [1e-6, 1e-3, 1e3, 1e9] {
+        let found = msdm2(&moved(&a, scale), &moved(&b, scale), Interpolation::Projected);
+        assert_scores(scores(&found), expected);
+    }
+}
+
+#[test]
+fn each_level_has_its_own_curvature() {
+    let mesh = torus(40, 20, |i| 0.01 * noise(i));
+    let one = Msdm2Surface::new(&mesh.0, &mesh.1, 1).unwrap();
+    let five = Msdm2Surface::new(&mesh.0, &mesh.1, 5).unwrap();
+    for (one, five) in one.curvature.iter().zip(five.curvature.chunks(5)) {
+        assert!((one - five[0]).abs() <= 1e-12 * one && five[0] > five[4]);
+    }
+    // The curvature that a surface has not prepared is computed for the comparison.
+    let other = surface(&torus(40, 20, |_| 0.0));
+    let found = msdm2(&one, &other, Interpolation::AtVertex);
+    let narrow = Msdm2Surface::new(&other.positions, &other.faces, 1).unwrap();
+    assert_eq!(found, msdm2(&one, &narrow, Interpolation::AtVertex));
+}
+
+#[test]
+fn isolated_vertices_are_counted_and_skipped() {
+    let (mut positions, faces) = torus(40, 20, |i| 0.01 * noise(i));
+    let reference = surface(&torus(40, 20, |_| 0.0));
+    let clean =
+        msdm2(&reference, &surface(&(positions.clone(), faces.clone())), Interpolation::AtVertex);
+    positions.push([50.0, 0.0, 0.0]);
+    let found = msdm2(&reference, &surface(&(positions, faces)), Interpolation::AtVertex);
+    assert_eq!((found.forward.isolated, found.forward.local[800]), (1, 0.0));
+    assert_eq!(scores(&found), scores(&clean));
+}
+
+#[test]
+fn degenerate_and_non_manifold_faces_give_finite_values() {
+    let (positions, mut faces) = torus(40, 20, |i| 0.01 * noise(i));
+    let clean = surface(&(positions.clone(), faces.clone()));
+    faces.extend([[0, 0, 1], [5, 5, 5], [7, 8, 9], [100, 101, 300]]);
+    let dirty = surface(&(positions, faces));
+    let result = msdm2(&clean, &dirty, Interpolation::AtVertex);
+    assert!(result.symmetric.is_finite() && result.symmetric > 0.0 && result.symmetric < 1.0);
+    assert!(result.forward.local.iter().chain(&result.backward.local).all(|x| x.is_finite()));
+}
+
+#[test]
+fn bad_input_is_named() {
+    let (positions, faces) = torus(5, 4, |_| 0.0);
+    let error = |positions: &[Vec3], faces: &[[u32; 3]], levels| {
+        Msdm2Surface::new(positions, faces, levels).map(|_| ()).unwrap_err()
+    };
+    assert_eq!(error(&positions, &faces, 0), Msdm2Error::Levels { levels: 0 });
+    assert_eq!(error(&positions, &faces, 17), Msdm2Error::Levels { levels: 17 });
+    assert_eq!(error(&positions, &[], 3), Msdm2Error::Mesh(TreeError::NoFaces));
+    assert_eq!(error(&[[1.0; 3]; 3], &[[0, 1, 2]], 3), Msdm2Error::NoExtent);
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let (a, b) = (torus(60, 30, |_| 0.0), torus(57, 31, |i| 0.01 * noise(i)));
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| msdm2(&surface(&a), &surface(&b), Interpolation::AtVertex))
+    };
+    let one = run(1);
+    assert!(one == run(2) && one == run(8));
+}
+
+fn oracle() -> Option<PathBuf> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/oracle"));
+    if !path.is_dir() {
+        eprintln!("skipped: ../shared is absent");
+        return None;
+    }
+    Some(path.to_owned())
+}
+
+fn read_off(path: &Path) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut words = text.split_ascii_whitespace().skip(1);
+    let mut count = || words.next().unwrap().parse::<usize>().unwrap();
+    let (vertices, faces, _edges) = (count(), count(), count());
+    let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
+    let (positions, rest) = numbers.split_at(3 * vertices);
+    let positions = positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    let faces = rest.chunks_exact(4).take(faces);
+    (positions, faces.map(|f| [f[1] as u32, f[2] as u32, f[3] as u32]).collect())
+}
+
+/// Compares every stage at every vertex. The reference's choice among equally close faces is
+/// checked to be such a choice, and then taken over, since curvature depends on it.
+fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str) {
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    let rows: Vec<Vec<f64>> =
+        rows.map(|row| row.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), distorted.positions.len());
+    let mut matches = matching::closest_faces(original, &distorted.positions);
+    for (closest, row) in matches.iter_mut().zip(&rows) {
+        let (vertex, point) = (distorted.positions[row[0] as usize], [row[1], row[2], row[3]]);
+        let reference = distance_squared(vertex, point);
+        assert!((closest.distance_squared - reference).abs() <= 1e-12 * reference.max(1e-6));
+        closest.face = row[4] as u32;
+        closest.point = point;
+    }
+    let direction =
+        Direction::new(distorted, original, &matches, DEFAULT_LEVELS, Interpolation::AtVertex);
+    let mut scratch = Scratch::new(rows.len(), DEFAULT_LEVELS);
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
+    for row in &rows {
+        let vertex = row[0] as usize;
+        let mean = direction.local(vertex, &mut scratch);
+        assert!(near(mean, row[17]), "vertex {vertex}: {mean} instead of {}", row[17]);
+        let record = direction.record(vertex);
+        for level in 0..DEFAULT_LEVELS {
+            let stage = &row[5 + 4 * level..];
+            assert!(near(record.own[level], stage[0]), "vertex {vertex}, level {level}");
+            assert!(near(record.other[level], stage[1]), "vertex {vertex}, level {level}");
+            assert_eq!(scratch.count(level), stage[2] as usize, "vertex {vertex}, level {level}");
+        }
+    }
+}
+
+#[test]
+fn stages_agree_with_the_oracle() {
+    let Some(folder) = oracle() else { return };
+    for (original, distorted) in [("sph642", "sph642_noise_n_0p01"), ("spot", "spot_simp20")] {
+        let mesh = |name: &str| surface(&read_off(&folder.join(format!("meshes/{name}.off"))));
+        let (a, b) = (mesh(original), mesh(distorted));
+        let text = |direction: &str| {
+            let file = format!("stages/{distorted}.{direction}.txt");
+            std::fs::read_to_string(folder.join(file)).unwrap()
+        };
+        compare_stages(&a, &b, &text("ab"));
+        compare_stages(&b, &a, &text("ba"));
+    }
+}
