@@ -1,1 +1,3 @@
 //! See the crate README.
+
+pub mod range;

@@ -1,1 +1,2 @@
 //! See the crate README.
+pub mod intra;
