@@ -5,7 +5,7 @@ use super::conquest::{Conquest, NONE, Symbol};
 use super::geometry::{GeometryModels, code_positions};
 use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
-use super::labels::{LabelModels, code_labels};
+use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::predict::Prediction;
 use super::rule::{self, Rule};
 use super::surface::Surface;
@@ -28,6 +28,7 @@ pub struct IntraLimits {
 pub struct IntraDecoder {
     conquest: Conquest,
     traversal: Traversal,
+    label_traversal: LabelTraversal,
     joins: Vec<(u32, u32)>,
     /// Per vertex of the conquest: the next twin, the decoded number, position, label, error.
     twin: Vec<u32>,
@@ -35,7 +36,6 @@ pub struct IntraDecoder {
     positions: Vec<[i32; 3]>,
     labels: Vec<u8>,
     errors: Vec<i32>,
-    order: Vec<u32>,
 }
 
 /// Decodes one payload into `mesh`, whose buffers are reused. Vertices come in the order in which
@@ -146,7 +146,6 @@ impl IntraDecoder {
         self.positions.resize(vertices, [0; 3]);
         self.errors.clear();
         self.errors.resize(vertices, 0);
-        self.order.clear();
         self.traversal.restart(vertices);
         let mut models = GeometryModels::default();
         let surface = Surface { conquest: &self.conquest, twin: &self.twin };
@@ -157,7 +156,6 @@ impl IntraDecoder {
             &mut self.traversal,
             &mut self.positions,
             &mut self.errors,
-            &mut self.order,
         )?;
         mesh.positions.resize(header.vertices as usize, [0; 3]);
         for (&number, &position) in self.number.iter().zip(&self.positions) {
@@ -185,12 +183,10 @@ impl IntraDecoder {
         let vertices = self.conquest.vertices();
         self.labels.clear();
         self.labels.resize(vertices, 0);
-        self.traversal.restart(vertices);
         let mut models = LabelModels::default();
         let surface = Surface { conquest: &self.conquest, twin: &self.twin };
-        let known = &mut self.traversal.known;
-        let labels = &mut self.labels;
-        let mut last = code_labels(coder, &mut models, &surface, &self.order, known, labels);
+        let traversal = &mut self.label_traversal;
+        let mut last = code_labels(coder, &mut models, &surface, traversal, &mut self.labels);
         mesh.labels.resize(header.vertices as usize, 0);
         for (&number, &label) in self.number.iter().zip(&self.labels) {
             if number != NONE {
@@ -251,6 +247,9 @@ impl<'a> Sections<'a> {
             rest.split_at_checked(header.connectivity_bytes as usize).ok_or(broken)?;
         let (geometry, labels) =
             rest.split_at_checked(header.geometry_bytes as usize).ok_or(broken)?;
+        if labels.len() != header.label_bytes as usize {
+            return Err(broken);
+        }
         let at_geometry = start + connectivity.len();
         Ok(Self {
             connectivity: Section { bytes: connectivity, start },

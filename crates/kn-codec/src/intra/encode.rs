@@ -5,7 +5,7 @@ use super::conquest::{Conquest, NONE};
 use super::geometry::{GeometryModels, code_positions};
 use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
-use super::labels::{LabelModels, code_labels};
+use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::predict::Prediction;
 use super::rule::Rule;
 use super::surface::Surface;
@@ -59,6 +59,7 @@ pub fn encode_intra(mesh: &GridMesh, out: &mut Vec<u8>) -> Result<IntraEncoding,
     let [connectivity, geometry, labels] = &sections;
     encoder.header.connectivity_bytes = connectivity.len() as u32;
     encoder.header.geometry_bytes = geometry.len() as u32;
+    encoder.header.label_bytes = labels.len() as u32;
     encoder.header.write(out);
     sections.iter().for_each(|section| out.extend_from_slice(section));
     let header = encoder.header;
@@ -110,7 +111,6 @@ struct IntraEncoder<'a> {
     /// `#M` input vertex of each vertex of the conquest; [`NONE`] for a dummy.
     source: Vec<u32>,
     twin: Vec<u32>,
-    order: Vec<u32>,
     vertex_map: Vec<u32>,
     isolated: Vec<u32>,
 }
@@ -132,7 +132,6 @@ impl<'a> IntraEncoder<'a> {
             conquest: Conquest::default(),
             source: Vec::new(),
             twin: Vec::new(),
-            order: Vec::new(),
             vertex_map: vec![NONE; mesh.positions.len()],
             isolated: Vec::new(),
         }
@@ -233,7 +232,6 @@ impl<'a> IntraEncoder<'a> {
             &mut traversal,
             &mut positions,
             &mut vec![0; self.source.len()],
-            &mut self.order,
         )?;
         for &vertex in &self.isolated {
             let own = self.mesh.positions[vertex as usize];
@@ -250,8 +248,8 @@ impl<'a> IntraEncoder<'a> {
         let mut labels: Vec<_> = self.source.iter().map(label).collect();
         let mut models = LabelModels::default();
         let surface = Surface { conquest: &self.conquest, twin: &self.twin };
-        let known = &mut vec![false; labels.len()];
-        let mut last = code_labels(coder, &mut models, &surface, &self.order, known, &mut labels);
+        let mut traversal = LabelTraversal::default();
+        let mut last = code_labels(coder, &mut models, &surface, &mut traversal, &mut labels);
         for &vertex in &self.isolated {
             last = models.code_isolated(coder, last, self.mesh.labels[vertex as usize]);
         }

@@ -30,8 +30,7 @@ impl Default for GeometryModels {
 }
 
 /// Codes `positions` (`#M × 3`) of all vertices of `surface` but dummies. An encoder brings them; a
-/// decoder brings anything and finds them there. `errors` (`#M`) is scratch; the order of coding
-/// is appended to `order`. Returns the last position.
+/// decoder brings anything and finds them there. `errors` (`#M`) is scratch. Returns the last position.
 pub(super) fn code_positions<C: BinaryCoder>(
     coder: &mut C,
     models: &mut GeometryModels,
@@ -39,7 +38,6 @@ pub(super) fn code_positions<C: BinaryCoder>(
     traversal: &mut Traversal,
     positions: &mut [[i32; 3]],
     errors: &mut [i32],
-    order: &mut Vec<u32>,
 ) -> Result<[i32; 3], Rule> {
     let mut last = [0; 3];
     while let Some(vertex) = traversal.next_vertex(surface) {
@@ -60,7 +58,6 @@ pub(super) fn code_positions<C: BinaryCoder>(
             positions[twin as usize] = position;
             errors[twin as usize] = error;
             traversal.settle(surface, twin);
-            order.push(twin);
             twin = surface.twin[twin as usize];
             if twin == vertex {
                 break;
@@ -107,7 +104,7 @@ impl GeometryModels {
             let exact = prediction.offset[axis] + mean;
             let near = (exact + 32) >> FRACTION;
             // What rounding left, −32 ..= 31, in thirds.
-            let lean = ((exact - (near << FRACTION) + 32) * 3 >> FRACTION) as usize;
+            let lean = (((exact - (near << FRACTION) + 32) * 3) >> FRACTION) as usize;
             let center = prediction.base[axis] + near as i32;
             let models = &mut self.errors[place][magnitude];
             position[axis] = code_coordinate(coder, models, center, own[axis], lean)?;

@@ -21,9 +21,10 @@ pub(super) struct Header {
     pub(super) components: u32,
     /// Vertices of the conquest that repeat another.
     pub(super) joins: u32,
-    /// Bytes of the sections; the labels' is what is left.
+    /// Bytes of the sections.
     pub(super) connectivity_bytes: u32,
     pub(super) geometry_bytes: u32,
+    pub(super) label_bytes: u32,
 }
 
 impl Header {
@@ -48,6 +49,7 @@ impl Header {
             joins: reader.uleb128()?,
             connectivity_bytes: reader.uleb128()?,
             geometry_bytes: reader.uleb128()?,
+            label_bytes: reader.uleb128()?,
         };
         header.check(bytes.len()).map_err(|rule| (rule, reader.at))?;
         Ok((header, reader.at))
@@ -66,6 +68,7 @@ impl Header {
             self.joins,
             self.connectivity_bytes,
             self.geometry_bytes,
+            self.label_bytes,
         ] {
             write_uleb128(out, count);
         }
