@@ -8,6 +8,7 @@ mod level;
 mod motion;
 mod nodes;
 mod reader;
+pub mod range;
 pub mod rule;
 mod sequence;
 mod tables;

@@ -3,7 +3,7 @@
 use crate::decode::reconstruction::Reconstruction;
 use crate::digest::{faces_digest, positions_digest};
 use crate::error::{DecodeError, DecodeErrorKind};
-use crate::intra::{IntraDecoder, IntraLimits, decode_intra};
+use crate::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra};
 use crate::limits::Limits;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits, Unit};
 use kn_bitstream::{
@@ -378,7 +378,7 @@ impl StreamDecoder {
         let decoder = &mut self.intra_decoder;
         self.group
             .begin(|mesh| decode_intra(frame.payload, &limits, decoder, mesh))
-            .map_err(|error| self.intra_error(&error, payload_start))?;
+            .map_err(|error| self.intra_error(error, payload_start))?;
         self.check_labels(payload_start)?;
         self.show(&frame.header)?;
         if self.check_digests
@@ -540,8 +540,29 @@ impl StreamDecoder {
         self.header.as_ref().map(|_| self.frame)
     }
 
-    fn intra_error(&self, error: &crate::intra::IntraError, payload_start: u64) -> DecodeError {
-        error.to_decode_error(payload_start, self.frame)
+    /// An error of the I-frame's mesh, placed in this file.
+    fn intra_error(&self, error: IntraError, payload_start: u64) -> DecodeError {
+        match error {
+            IntraError::Malformed { rule, at } => {
+                self.malformed(rule, payload_start + 8 * at as u64)
+            }
+            IntraError::Limit { what, asked, allowed } => {
+                let of_level = match what {
+                    "vertices" => self.level.max_vertices,
+                    _ => self.level.max_faces,
+                };
+                if asked > of_level {
+                    return self.malformed(rule::INTRA_SIZE_LEVEL, payload_start);
+                }
+                let (asked, allowed) = (u64::from(asked), u64::from(allowed));
+                DecodeErrorKind::Limit { what, asked, allowed, at: payload_start }.into()
+            }
+            // What only an encoder meets.
+            IntraError::FaceIndex { .. }
+            | IntraError::Outside { .. }
+            | IntraError::LabelCount { .. }
+            | IntraError::TooLarge { .. } => DecodeErrorKind::Failed.into(),
+        }
     }
 
     /// An error of the bitstream, placed in this file.

@@ -1,59 +1,90 @@
-//! STAND-IN, not to be committed.
-use crate::error::{DecodeError, DecodeErrorKind};
-use kn_mesh::GridMesh;
-#[derive(Debug, Default)]
-pub struct IntraDecoder;
-pub struct IntraLimits {
-    pub max_vertices: u32,
-    pub max_faces: u32,
-}
-#[derive(Debug)]
-pub struct IntraError;
-impl IntraError {
-    pub(crate) fn to_decode_error(&self, at: u64, frame: u64) -> DecodeError {
-        DecodeErrorKind::Malformed { rule: "intra", at, frame: Some(frame) }.into()
-    }
-}
-pub struct IntraEncoding {
-    pub vertex_map: Vec<u32>,
-}
-pub fn encode_intra(mesh: &GridMesh, out: &mut Vec<u8>) -> Result<IntraEncoding, IntraError> {
-    out.extend((mesh.positions.len() as u32).to_le_bytes());
-    out.extend((mesh.faces.len() as u32).to_le_bytes());
-    out.extend((mesh.labels.len() as u32).to_le_bytes());
-    for v in mesh.positions.as_flattened() {
-        out.extend(v.to_le_bytes());
-    }
-    for v in mesh.faces.as_flattened() {
-        out.extend(v.to_le_bytes());
-    }
-    out.extend(&mesh.labels);
-    Ok(IntraEncoding { vertex_map: (0..mesh.positions.len() as u32).collect() })
-}
-pub fn decode_intra(
-    b: &[u8],
-    _l: &IntraLimits,
-    _d: &mut IntraDecoder,
-    m: &mut GridMesh,
-) -> Result<(), IntraError> {
-    m.clear();
-    let w = |i: usize| -> Result<u32, IntraError> {
-        Ok(u32::from_le_bytes(b.get(4 * i..4 * i + 4).ok_or(IntraError)?.try_into().unwrap()))
-    };
-    let (v, f, l) = (w(0)? as usize, w(1)? as usize, w(2)? as usize);
-    for i in 0..v {
-        m.positions.push([w(3 + 3 * i)? as i32, w(4 + 3 * i)? as i32, w(5 + 3 * i)? as i32]);
-    }
-    for i in 0..f {
-        let k = 3 + 3 * v + 3 * i;
-        m.faces.push([w(k)?, w(k + 1)?, w(k + 2)?]);
-    }
-    m.labels.extend_from_slice(b.get(4 * (3 + 3 * v + 3 * f)..).ok_or(IntraError)?);
-    let _ = l;
-    Ok(())
-}
-impl std::fmt::Display for IntraError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("x")
-    }
+//! Static coding of the I-frame's mesh: any list of triangles on the integer grid, exactly
+//! (`spec/05-intra.md`).
+//!
+//! Connectivity goes first: surfaces are conquered triangle by triangle, and the valence of every
+//! vertex, once known, forces most of what follows. Positions come second, in an order that gives
+//! every vertex as many known triangles around it as can be, each one expected from these and its
+//! error coded with contexts for how far off it may be along and across the surface. Labels follow
+//! the same order.
+//!
+//! Encoder and decoder are one code, generic over
+//! [`BinaryCoder`](kn_bitstream::range::BinaryCoder): the symbols that an encoder brings and a
+//! decoder finds cannot get out of step.
+
+mod conquest;
+mod decode;
+#[cfg(feature = "encode")]
+mod encode;
+mod geometry;
+mod header;
+mod joins;
+mod labels;
+mod predict;
+mod residual;
+mod rule;
+mod spread;
+mod surface;
+#[cfg(feature = "encode")]
+mod survey;
+mod symbols;
+#[cfg(feature = "encode")]
+mod topology;
+mod traversal;
+
+pub use decode::{IntraDecoder, IntraLimits, decode_intra};
+#[cfg(feature = "encode")]
+pub use encode::{IntraEncoding, encode_intra};
+
+/// Most vertices or faces of a mesh: half-edges of closed surfaces are numbered in 32 bits.
+const MOST: u32 = (1 << 28) - 1;
+
+/// Why a mesh could not be coded or a payload not decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum IntraError {
+    /// The payload breaks a rule of the specification.
+    #[error("intra payload, byte {at}: spec rule {rule} is broken")]
+    Malformed {
+        /// Id of the clause in `spec/05-intra.md`.
+        rule: &'static str,
+        /// Byte of the payload near which it shows.
+        at: usize,
+    },
+    /// The payload announces more than the caller allows.
+    #[error("intra payload: {asked} {what}, the limit is {allowed}")]
+    Limit {
+        /// What there is too much of.
+        what: &'static str,
+        /// Announced.
+        asked: u32,
+        /// Allowed.
+        allowed: u32,
+    },
+    /// A face of the mesh to encode names a vertex that does not exist.
+    #[error("face {face} names a vertex that does not exist")]
+    FaceIndex {
+        /// Index of the face.
+        face: usize,
+    },
+    /// A coordinate of the mesh to encode lies outside the grid.
+    #[error("vertex {vertex} lies outside the grid")]
+    Outside {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// The mesh to encode has labels, but not one for each vertex.
+    #[error("{labels} labels for {vertices} vertices")]
+    LabelCount {
+        /// Number of labels.
+        labels: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// The mesh to encode has 2^28 vertices or faces, or more.
+    #[error("{count} {what} are too many")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+    },
 }

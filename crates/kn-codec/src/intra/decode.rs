@@ -1,0 +1,260 @@
+//! Payload to mesh.
+
+use super::IntraError;
+use super::conquest::{Conquest, NONE, Symbol};
+use super::geometry::{GeometryModels, code_positions};
+use super::header::Header;
+use super::joins::{code_joins, code_raw_faces, number_vertices};
+use super::labels::{LabelModels, LabelTraversal, code_labels};
+use super::predict::Prediction;
+use super::rule::{self, Rule};
+use super::surface::Surface;
+use super::symbols::SymbolModels;
+use super::traversal::Traversal;
+use kn_bitstream::range::RangeDecoder;
+use kn_mesh::GridMesh;
+
+/// What a payload may ask for at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntraLimits {
+    /// Vertices of the decoded mesh.
+    pub max_vertices: u32,
+    /// Faces of the decoded mesh.
+    pub max_faces: u32,
+}
+
+/// Buffers of the decoder, reused from mesh to mesh.
+#[derive(Clone, Debug, Default)]
+pub struct IntraDecoder {
+    conquest: Conquest,
+    traversal: Traversal,
+    label_traversal: LabelTraversal,
+    joins: Vec<(u32, u32)>,
+    /// Per vertex of the conquest: the next twin, the decoded number, position, label, error.
+    twin: Vec<u32>,
+    number: Vec<u32>,
+    positions: Vec<[i32; 3]>,
+    labels: Vec<u8>,
+    errors: Vec<i32>,
+}
+
+/// Decodes one payload into `mesh`, whose buffers are reused. Vertices come in the order in which
+/// the connectivity first met them, then those that no coded face uses; labels are empty where the
+/// payload has none.
+///
+/// Safe on untrusted input: returns an error or a mesh with indices in range, never panics, and
+/// allocates at most about 600 bytes for each face and 60 for each vertex that `limits` allow, and
+/// that only where the payload has one byte for every 2048 of them. On an error the mesh is empty.
+///
+/// # Errors
+/// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].
+pub fn decode_intra(
+    bytes: &[u8],
+    limits: &IntraLimits,
+    decoder: &mut IntraDecoder,
+    mesh: &mut GridMesh,
+) -> Result<(), IntraError> {
+    mesh.clear();
+    let decoded = decoder.decode(bytes, limits, mesh);
+    if decoded.is_err() {
+        mesh.clear();
+    }
+    decoded
+}
+
+impl IntraDecoder {
+    fn decode(
+        &mut self,
+        bytes: &[u8],
+        limits: &IntraLimits,
+        mesh: &mut GridMesh,
+    ) -> Result<(), IntraError> {
+        let (header, start) =
+            Header::read(bytes).map_err(|(rule, at)| IntraError::Malformed { rule, at })?;
+        limits.check(&header)?;
+        let sections = Sections::cut(bytes, start, &header)?;
+        let connectivity = sections.connectivity;
+        connectivity.read(|coder| self.decode_connectivity(coder, &header, mesh))?;
+        sections.geometry.read(|coder| self.decode_geometry(coder, &header, mesh))?;
+        sections.labels.read(|coder| self.decode_labels(coder, &header, mesh))
+    }
+
+    fn decode_connectivity(
+        &mut self,
+        coder: &mut RangeDecoder,
+        header: &Header,
+        mesh: &mut GridMesh,
+    ) -> Result<(), Rule> {
+        self.decode_conquest(coder, header)?;
+        let vertices = self.conquest.vertices();
+        self.twin.clear();
+        self.twin.extend(0..vertices as u32);
+        self.number.clear();
+        self.number.resize(vertices, NONE);
+        self.joins.clear();
+        self.joins.resize(header.joins as usize, (0, 0));
+        code_joins(coder, &self.conquest, &mut self.joins, &mut self.twin, &mut self.number)?;
+        let numbered = number_vertices(&self.conquest, &mut self.number);
+        if numbered.checked_add(header.isolated) != Some(header.vertices) {
+            return Err(rule::VERTEX_COUNT);
+        }
+        mesh.faces.reserve(header.faces as usize);
+        let corner = |vertex: u32| self.number[vertex as usize];
+        let triangles =
+            self.conquest.origin.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(corner));
+        mesh.faces.extend(triangles.filter(|face| !face.contains(&NONE)));
+        mesh.faces.resize(header.faces as usize, [0; 3]);
+        let raw = header.conquered_faces() as usize;
+        code_raw_faces(coder, &mut mesh.faces[raw..], header.vertices)
+    }
+
+    fn decode_conquest(&mut self, coder: &mut RangeDecoder, header: &Header) -> Result<(), Rule> {
+        let mut models = SymbolModels::default();
+        let faces = header.conquered_faces() as usize;
+        self.conquest.clear();
+        for _ in 0..header.components {
+            let valences = [(); 3].map(|()| models.code_seed(coder, 0));
+            self.conquest.seed(valences);
+            while let Some(gate) = self.conquest.gate() {
+                let any = Symbol::Left;
+                let symbol = models.code(coder, &self.conquest, gate, any);
+                self.conquest.apply(gate, symbol)?;
+                // Every triangle of a dummy lies behind a side of a real one.
+                let real = self.conquest.real_triangles();
+                if real > faces || self.conquest.triangles() > 4 * faces {
+                    return Err(rule::FACE_COUNT);
+                }
+                if coder.is_exhausted() {
+                    return Err(rule::CONSUMED);
+                }
+            }
+        }
+        if self.conquest.real_triangles() != faces {
+            return Err(rule::FACE_COUNT);
+        }
+        if self.conquest.is_complete() { Ok(()) } else { Err(rule::VALENCE) }
+    }
+
+    fn decode_geometry(
+        &mut self,
+        coder: &mut RangeDecoder,
+        header: &Header,
+        mesh: &mut GridMesh,
+    ) -> Result<(), Rule> {
+        let vertices = self.conquest.vertices();
+        self.positions.clear();
+        self.positions.resize(vertices, [0; 3]);
+        self.errors.clear();
+        self.errors.resize(vertices, 0);
+        self.traversal.restart(vertices);
+        let mut models = GeometryModels::default();
+        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
+        let mut last = code_positions(
+            coder,
+            &mut models,
+            &surface,
+            &mut self.traversal,
+            &mut self.positions,
+            &mut self.errors,
+        )?;
+        mesh.positions.resize(header.vertices as usize, [0; 3]);
+        for (&number, &position) in self.number.iter().zip(&self.positions) {
+            if number != NONE {
+                mesh.positions[number as usize] = position;
+            }
+        }
+        let isolated = (header.vertices - header.isolated) as usize;
+        for position in &mut mesh.positions[isolated..] {
+            last = models.code_unsupported(coder, &Prediction::default(), last, *position)?;
+            *position = last;
+        }
+        Ok(())
+    }
+
+    fn decode_labels(
+        &mut self,
+        coder: &mut RangeDecoder,
+        header: &Header,
+        mesh: &mut GridMesh,
+    ) -> Result<(), Rule> {
+        if !header.has_labels {
+            return Ok(());
+        }
+        let vertices = self.conquest.vertices();
+        self.labels.clear();
+        self.labels.resize(vertices, 0);
+        let mut models = LabelModels::default();
+        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
+        let traversal = &mut self.label_traversal;
+        let mut last = code_labels(coder, &mut models, &surface, traversal, &mut self.labels);
+        mesh.labels.resize(header.vertices as usize, 0);
+        for (&number, &label) in self.number.iter().zip(&self.labels) {
+            if number != NONE {
+                mesh.labels[number as usize] = label;
+            }
+        }
+        let isolated = (header.vertices - header.isolated) as usize;
+        for label in &mut mesh.labels[isolated..] {
+            last = models.code_isolated(coder, last, *label);
+            *label = last;
+        }
+        Ok(())
+    }
+}
+
+impl IntraLimits {
+    fn check(&self, header: &Header) -> Result<(), IntraError> {
+        let within = |what, asked, allowed| {
+            if asked > allowed { Err(IntraError::Limit { what, asked, allowed }) } else { Ok(()) }
+        };
+        within("vertices", header.vertices, self.max_vertices.min(super::MOST))?;
+        within("faces", header.faces, self.max_faces.min(super::MOST))
+    }
+}
+
+/// One stream of decisions, and where it starts in the payload.
+struct Section<'a> {
+    bytes: &'a [u8],
+    start: usize,
+}
+
+impl Section<'_> {
+    /// Reads it with `decode` and requires that it holds nothing else.
+    fn read(
+        &self,
+        decode: impl FnOnce(&mut RangeDecoder) -> Result<(), Rule>,
+    ) -> Result<(), IntraError> {
+        let mut coder = RangeDecoder::new(self.bytes);
+        let mut decoded = decode(&mut coder);
+        if decoded.is_ok() && !coder.is_finished() {
+            decoded = Err(rule::CONSUMED);
+        }
+        decoded.map_err(|rule| IntraError::Malformed { rule, at: self.start + coder.position() })
+    }
+}
+
+struct Sections<'a> {
+    connectivity: Section<'a>,
+    geometry: Section<'a>,
+    labels: Section<'a>,
+}
+
+impl<'a> Sections<'a> {
+    fn cut(bytes: &'a [u8], start: usize, header: &Header) -> Result<Self, IntraError> {
+        let broken = IntraError::Malformed { rule: rule::SECTIONS, at: start };
+        let rest = bytes.get(start..).ok_or(broken)?;
+        let (connectivity, rest) =
+            rest.split_at_checked(header.connectivity_bytes as usize).ok_or(broken)?;
+        let (geometry, labels) =
+            rest.split_at_checked(header.geometry_bytes as usize).ok_or(broken)?;
+        if labels.len() != header.label_bytes as usize {
+            return Err(broken);
+        }
+        let at_geometry = start + connectivity.len();
+        Ok(Self {
+            connectivity: Section { bytes: connectivity, start },
+            geometry: Section { bytes: geometry, start: at_geometry },
+            labels: Section { bytes: labels, start: at_geometry + geometry.len() },
+        })
+    }
+}

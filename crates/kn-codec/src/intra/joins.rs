@@ -1,0 +1,73 @@
+//! Cut vertices tied together again, faces that no surface can hold, and the numbering of decoded
+//! vertices (`spec/05-intra.md`). One function each is encoder and decoder.
+
+use super::conquest::{Conquest, NONE};
+use super::rule::{self, Rule};
+use kn_bitstream::range::{BinaryCoder, BitModel, RAW_LIMIT, code_gamma};
+
+/// Codes which vertices of the conquest repeat an earlier one: `(copy, earlier)`, copies ascending.
+/// `joins` has the right length; an encoder brings its content. Ties them in `twin` (`#M`) and
+/// marks the copies in `number` (`#M`) with what they repeat; everything else stays [`NONE`].
+pub(super) fn code_joins<C: BinaryCoder>(
+    coder: &mut C,
+    conquest: &Conquest,
+    joins: &mut [(u32, u32)],
+    twin: &mut [u32],
+    number: &mut [u32],
+) -> Result<(), Rule> {
+    let mut gaps = [BitModel::default(); 32];
+    let mut depths = [BitModel::default(); 32];
+    let mut first_free = 0u32;
+    for join in joins {
+        let gap = code_gamma(coder, &mut gaps, join.0.wrapping_sub(first_free));
+        let copy = first_free.checked_add(gap).ok_or(rule::JOIN)?;
+        let own_depth = join.0.wrapping_sub(join.1).wrapping_sub(1);
+        let depth = code_gamma(coder, &mut depths, own_depth);
+        let earlier = copy.checked_sub(depth).and_then(|e| e.checked_sub(1)).ok_or(rule::JOIN)?;
+        let is_dummy = |vertex: u32| conquest.dummy.get(vertex as usize) != Some(&false);
+        if is_dummy(copy) || is_dummy(earlier) {
+            return Err(rule::JOIN);
+        }
+        number[copy as usize] = earlier;
+        twin[copy as usize] = twin[earlier as usize];
+        twin[earlier as usize] = copy;
+        *join = (copy, earlier);
+        first_free = copy + 1;
+    }
+    Ok(())
+}
+
+/// Numbers the vertices in the conquest's order: copies share, dummies get none. Returns how many
+/// numbers there are.
+pub(super) fn number_vertices(conquest: &Conquest, number: &mut [u32]) -> u32 {
+    let mut count = 0;
+    for vertex in 0..number.len() {
+        if conquest.dummy[vertex] {
+            continue;
+        }
+        number[vertex] = match number[vertex] {
+            NONE => {
+                count += 1;
+                count - 1
+            }
+            earlier => number[earlier as usize],
+        };
+    }
+    count
+}
+
+/// Codes `faces` as they are, in decoded vertex numbers.
+pub(super) fn code_raw_faces<C: BinaryCoder>(
+    coder: &mut C,
+    faces: &mut [[u32; 3]],
+    vertices: u32,
+) -> Result<(), Rule> {
+    for corner in faces.iter_mut().flatten() {
+        let high = coder.raw(*corner >> RAW_LIMIT, RAW_LIMIT);
+        *corner = high << RAW_LIMIT | coder.raw(*corner, RAW_LIMIT);
+        if *corner >= vertices {
+            return Err(rule::RAW_FACE);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,229 @@
+//! Coding of vertex labels along the positions' traversal (`spec/05-intra.md`). One function is
+//! encoder and decoder.
+
+use super::conquest::{next, prev};
+use super::surface::Surface;
+use kn_bitstream::range::{BinaryCoder, BitModel};
+
+/// Adaptive models of labels.
+#[derive(Clone, Debug)]
+pub(super) struct LabelModels {
+    /// Whether a label is that of all labelled neighbours, by their number.
+    uniform: [BitModel; 5],
+    /// Whether a label is the commonest of several, by how much speaks for it.
+    mixed: [BitModel; 16],
+    is_second: BitModel,
+    /// A binary tree over the eight bits of a label that is neither.
+    tree: [BitModel; 256],
+}
+
+impl Default for LabelModels {
+    fn default() -> Self {
+        let model = BitModel::default();
+        Self { uniform: [model; 5], mixed: [model; 16], is_second: model, tree: [model; 256] }
+    }
+}
+
+/// The two commonest labels among a vertex's neighbours, and how often they occur.
+#[derive(Clone, Copy, Debug, Default)]
+struct Vote {
+    first: (u8, usize),
+    second: (u8, usize),
+    voters: usize,
+}
+
+impl Vote {
+    /// Counts `label`; of equal counts the label that came first stays ahead.
+    fn add(&mut self, label: u8) {
+        self.voters += 1;
+        if self.first.1 == 0 || self.first.0 == label {
+            self.first = (label, self.first.1 + 1);
+        } else if self.second.1 == 0 || self.second.0 == label {
+            self.second = (label, self.second.1 + 1);
+            if self.second.1 > self.first.1 {
+                std::mem::swap(&mut self.first, &mut self.second);
+            }
+        }
+    }
+}
+
+/// Progress of the labels over a surface. Vertices between different labels come first, so that
+/// a border, once found, is followed to its end.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LabelTraversal {
+    /// `#M` what is known of each vertex.
+    state: Vec<State>,
+    /// Vertices that saw two labels, and that saw one: first come, first served.
+    mixed: Vec<u32>,
+    uniform: Vec<u32>,
+    mixed_taken: usize,
+    uniform_taken: usize,
+    seed_vertex: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum State {
+    #[default]
+    Unseen,
+    /// All labelled neighbours have this label.
+    Uniform(u8),
+    Mixed,
+    Known,
+}
+
+impl LabelTraversal {
+    fn restart(&mut self, vertices: usize) {
+        self.state.clear();
+        self.state.resize(vertices, State::Unseen);
+        self.mixed.clear();
+        self.uniform.clear();
+        (self.mixed_taken, self.uniform_taken, self.seed_vertex) = (0, 0, 0);
+    }
+
+    fn next_vertex(&mut self, surface: &Surface) -> Option<u32> {
+        while let Some(&vertex) = self.mixed.get(self.mixed_taken) {
+            self.mixed_taken += 1;
+            if self.state[vertex as usize] != State::Known {
+                return Some(vertex);
+            }
+        }
+        while let Some(&vertex) = self.uniform.get(self.uniform_taken) {
+            self.uniform_taken += 1;
+            if self.state[vertex as usize] != State::Known {
+                return Some(vertex);
+            }
+        }
+        while let Some(&state) = self.state.get(self.seed_vertex as usize) {
+            let vertex = self.seed_vertex;
+            if state != State::Known && !surface.conquest.dummy[vertex as usize] {
+                return Some(vertex);
+            }
+            self.seed_vertex += 1;
+        }
+        None
+    }
+
+    /// Notes that `vertex` has `label`, and who its neighbours are.
+    fn settle(&mut self, surface: &Surface, vertex: u32, label: u8) {
+        self.state[vertex as usize] = State::Known;
+        for h in surface.fan(vertex) {
+            let neighbour = surface.conquest.origin[next(h) as usize];
+            if surface.conquest.dummy[neighbour as usize] {
+                continue;
+            }
+            let state = &mut self.state[neighbour as usize];
+            match *state {
+                State::Unseen => {
+                    *state = State::Uniform(label);
+                    self.uniform.push(neighbour);
+                }
+                State::Uniform(other) if other != label => {
+                    *state = State::Mixed;
+                    self.mixed.push(neighbour);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn is_known(&self, vertex: u32) -> bool {
+        self.state[vertex as usize] == State::Known
+    }
+
+    fn vote(&self, surface: &Surface, labels: &[u8], vertex: u32) -> Vote {
+        let mut vote = Vote::default();
+        for h in surface.fan(vertex) {
+            let neighbour = surface.conquest.origin[next(h) as usize];
+            if self.is_known(neighbour) {
+                vote.add(labels[neighbour as usize]);
+            }
+        }
+        vote
+    }
+
+    /// How far the border as it runs through the known triangles speaks for the first candidate:
+    /// its indicator, 1 or −1, continued linearly over every edge that faces the vertex.
+    fn continued(&self, surface: &Surface, labels: &[u8], vertex: u32, vote: &Vote) -> i32 {
+        let indicator = |v: u32| match labels[v as usize] {
+            label if label == vote.first.0 => 1,
+            label if label == vote.second.0 => -1,
+            _ => 0,
+        };
+        let mut sum = 0;
+        for h in surface.fan(vertex) {
+            let a = surface.conquest.origin[next(h) as usize];
+            let b = surface.conquest.origin[prev(h) as usize];
+            let c = surface.across(next(h));
+            if self.is_known(a) && self.is_known(b) && self.is_known(c) {
+                sum += indicator(a) + indicator(b) - indicator(c);
+            }
+        }
+        sum
+    }
+}
+
+/// Codes `labels` (`#M`) of all vertices of `surface` but dummies, and returns the last. An encoder
+/// brings them; a decoder brings anything and finds them there.
+pub(super) fn code_labels<C: BinaryCoder>(
+    coder: &mut C,
+    models: &mut LabelModels,
+    surface: &Surface,
+    traversal: &mut LabelTraversal,
+    labels: &mut [u8],
+) -> u8 {
+    let mut last = 0;
+    traversal.restart(labels.len());
+    while let Some(vertex) = traversal.next_vertex(surface) {
+        let vote = traversal.vote(surface, labels, vertex);
+        let continued = match vote.second.1 {
+            0 => 0,
+            _ => traversal.continued(surface, labels, vertex, &vote),
+        };
+        last = models.code(coder, vote, continued, last, labels[vertex as usize]);
+        let mut twin = vertex;
+        loop {
+            labels[twin as usize] = last;
+            traversal.settle(surface, twin, last);
+            twin = surface.twin[twin as usize];
+            if twin == vertex {
+                break;
+            }
+        }
+    }
+    last
+}
+
+impl LabelModels {
+    /// Codes the label of a vertex without faces, expected to be `last`.
+    pub(super) fn code_isolated<C: BinaryCoder>(&mut self, coder: &mut C, last: u8, own: u8) -> u8 {
+        self.code(coder, Vote::default(), 0, last, own)
+    }
+
+    fn code<C: BinaryCoder>(
+        &mut self,
+        coder: &mut C,
+        vote: Vote,
+        continued: i32,
+        last: u8,
+        own: u8,
+    ) -> u8 {
+        let first = if vote.voters == 0 { last } else { vote.first.0 };
+        let lead = vote.first.1 as i32 - vote.second.1 as i32 + continued;
+        let model = match vote.second.1 {
+            0 => &mut self.uniform[vote.first.1.min(4)],
+            _ => &mut self.mixed[(lead + 6).clamp(0, 15) as usize],
+        };
+        if coder.bit(model, own == first) {
+            return first;
+        }
+        let (second, count) = vote.second;
+        if count > 0 && coder.bit(&mut self.is_second, own == second) {
+            return second;
+        }
+        let mut node = 1;
+        for place in (0..8).rev() {
+            node = node << 1 | usize::from(coder.bit(&mut self.tree[node], own >> place & 1 != 0));
+        }
+        node as u8
+    }
+}
