@@ -2,10 +2,13 @@
 
 mod arguments;
 mod commands;
+mod distortion;
+mod heatmap;
 mod interrupt;
 mod output;
 mod picture;
 mod progress;
+mod sequence;
 mod stream;
 mod table;
 

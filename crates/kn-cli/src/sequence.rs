@@ -1,6 +1,5 @@
 //! Frames to measure: meshes in files, or a stream.
 
-use crate::arguments::FrameRange;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_codec::{Decoder, FrameKind};
@@ -46,15 +45,13 @@ impl Sequence {
         })
     }
 
-    /// The box of those frames, which is the scale of relative distances.
-    pub(crate) fn bounds(&self, range: &FrameRange) -> Result<BoundingBox> {
+    /// The box of all frames, which is the scale of relative distances.
+    pub(crate) fn bounds(&self) -> Result<BoundingBox> {
         let mut bounds: Option<BoundingBox> = None;
         let mut reader = self.reader()?;
         while let Some(frame) = reader.next_frame()? {
-            if range.contains(frame.index) {
-                let one = frame.mesh.bounding_box();
-                bounds = bounds.zip(one).map(|(all, one)| all.union(one)).or(bounds).or(one);
-            }
+            let one = frame.mesh.bounding_box();
+            bounds = bounds.zip(one).map(|(all, one)| all.union(one)).or(bounds).or(one);
         }
         let bounds = bounds.context("no frame to measure")?;
         ensure!(bounds.diagonal() > 0.0, "all vertices of the reference are at one point");
@@ -72,7 +69,9 @@ impl Reader {
     /// The next frame; `None` after the last.
     pub(crate) fn next_frame(&mut self) -> Result<Option<Frame>> {
         match self {
-            Self::Scans(frames, clean) => frames.next().map(|frame| scan(frame?, *clean)).transpose(),
+            Self::Scans(frames, clean) => {
+                frames.next().map(|frame| scan(frame?, *clean)).transpose()
+            }
             Self::Stream(decoder, path) => {
                 let mut mesh = Mesh::default();
                 let decoded =

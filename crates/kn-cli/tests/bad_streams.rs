@@ -39,7 +39,9 @@ fn a_truncated_stream_is_refused_or_taken_in_part() {
     let elements = elements(&dump);
     let frame_ends = elements
         .windows(2)
-        .filter(|pair| pair[0].1 == "unit_crc" && matches!(pair[1], (_, "unit_type", "2" | "4" | "5")))
+        .filter(|pair| {
+            pair[0].1 == "unit_crc" && matches!(pair[1], (_, "unit_type", "2" | "4" | "5"))
+        })
         .map(|pair| pair[1].0);
     // In front of frame 1, 2, ... and of the index; the header's end comes first.
     for (frames, end) in frame_ends.enumerate().skip(1) {
@@ -107,7 +109,10 @@ fn a_header_that_promises_too_much() {
 
     fs::write(scans.path("other.knm"), "solid cube").expect("written");
     let message = fails(["info", &scans.text("other.knm")]);
-    assert!(message.contains("other.knm: bit 0: ") && message.contains("file.signature"), "{message}");
+    assert!(
+        message.contains("other.knm: bit 0: ") && message.contains("file.signature"),
+        "{message}"
+    );
 }
 
 #[test]

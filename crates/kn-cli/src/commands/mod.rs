@@ -1,6 +1,8 @@
 //! One file per command.
 
+mod compare;
 mod decode;
+mod demo;
 mod dump;
 mod encode;
 mod info;
@@ -17,6 +19,8 @@ pub(crate) enum Command {
     Info(info::InfoArguments),
     Dump(dump::DumpArguments),
     Verify(verify::VerifyArguments),
+    Compare(compare::CompareArguments),
+    Demo(demo::DemoArguments),
 }
 
 /// Runs a command.
@@ -27,5 +31,7 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Info(arguments) => info::run(arguments),
         Command::Dump(arguments) => dump::run(arguments),
         Command::Verify(arguments) => verify::run(arguments, global),
+        Command::Compare(arguments) => compare::run(arguments, global),
+        Command::Demo(arguments) => demo::run(arguments, global),
     }
 }

@@ -1,0 +1,164 @@
+//! `kn compare`: how far two meshes or sequences are apart.
+
+mod output;
+
+use crate::arguments::{FrameRange, Global};
+use crate::distortion::{Depth, Distortion, Scale, Surface};
+use crate::output::write_file;
+use crate::sequence::{Frame, Reader, Sequence};
+use crate::{Outcome, heatmap, progress, stream};
+use anyhow::{Context, Result, bail};
+use kn_mesh::BoundingBox;
+use kn_mesh::io::write_mesh_with_scalar;
+use output::{Comparison, FrameRow};
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Measure the distortion between two meshes or sequences
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Each side is a mesh (OBJ, PLY, OFF, glTF), a folder, a pattern in quotes, or a .knm file. Relative
+distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
+Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
+encoding, they are welded too.
+
+Exit codes: 0 measured, 2 an error.
+
+Examples:
+  kn compare a.obj b.obj
+  kn compare 'scan/*.obj' dance.knm
+  kn compare 'scan/*.obj' dance.knm --json | jq .mean
+  kn compare scan/ dance.knm --csv rows.csv --frames 0..7
+  kn compare a.ply b.ply --heatmap error.png")]
+pub(crate) struct CompareArguments {
+    /// The reference
+    #[arg(value_name = "REFERENCE")]
+    reference: PathBuf,
+    /// What is measured against it
+    #[arg(value_name = "OTHER")]
+    other: PathBuf,
+    /// Print JSON: {mean, frames, box}
+    #[arg(long)]
+    json: bool,
+    /// Also write a row per frame to this file; - is standard output, without the table
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    csv: Option<PathBuf>,
+    /// Measure these frames only: 5, 3..7 (both included), 3.. or ..7
+    #[arg(long, value_name = "RANGE", default_value = "..")]
+    frames: FrameRange,
+    /// Distances only, without MSDM2
+    #[arg(long)]
+    fast: bool,
+    /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
+    #[arg(long)]
+    clean: bool,
+    /// Draw the first of the frames from four sides, coloured by its error
+    #[arg(long, value_name = "FILE.png")]
+    heatmap: Option<PathBuf>,
+    /// Write the other side's first frame with its error as the vertex property `error`
+    #[arg(long, value_name = "FILE.ply")]
+    values: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outcome> {
+    let streams = [&arguments.reference, &arguments.other].map(|path| stream::is_stream(path));
+    let clean = arguments.clean || streams[0] != streams[1];
+    let reference = Sequence::open(&arguments.reference, clean)?;
+    let other = Sequence::open(&arguments.other, clean)?;
+    let bounds = reference.bounds()?;
+    let comparison = arguments.measure(&reference, &other, &bounds, global)?;
+    arguments.print(&comparison)?;
+    Ok(Outcome::Good)
+}
+
+impl CompareArguments {
+    fn measure(
+        &self,
+        reference: &Sequence,
+        other: &Sequence,
+        bounds: &BoundingBox,
+        global: &Global,
+    ) -> Result<Comparison> {
+        let scale = Scale::from(*bounds);
+        let depth = if self.fast { Depth::Distance } else { Depth::Perceptual };
+        let bar = progress::bar(global, "measuring", None);
+        let (mut left, mut right) = (reference.reader()?, other.reader()?);
+        let mut frames = Vec::new();
+        while let Some((a, b)) = self.next_pair(&mut left, &mut right)? {
+            if a.index > self.frames.last() {
+                break;
+            }
+            if !self.frames.contains(a.index) {
+                continue;
+            }
+            let surfaces = (surface(&a, depth)?, surface(&b, depth)?);
+            if frames.is_empty() {
+                self.draw((&a, &surfaces.0), (&b, &surfaces.1), bounds)?;
+            }
+            let distortion = Distortion::measure(&surfaces.0, &surfaces.1, &scale);
+            frames.push(FrameRow::new(&b, distortion));
+            bar.step();
+        }
+        Comparison::new(frames, scale).context("there is no frame to measure")
+    }
+
+    /// The next frame of both sides; sequences of different length are an error.
+    fn next_pair(&self, left: &mut Reader, right: &mut Reader) -> Result<Option<(Frame, Frame)>> {
+        let (short, long, index) = match (left.next_frame()?, right.next_frame()?) {
+            (Some(a), Some(b)) => return Ok(Some((a, b))),
+            (None, None) => return Ok(None),
+            (Some(a), None) => (&self.other, &self.reference, a.index),
+            (None, Some(b)) => (&self.reference, &self.other, b.index),
+        };
+        let (short, long) = (stream::name_of(short), stream::name_of(long));
+        bail!("{short}: frame {index}: there is no such frame, but {long} has it")
+    }
+
+    /// The picture and the values per vertex, where asked for.
+    fn draw(
+        &self,
+        (a, surface_a): (&Frame, &Surface),
+        (b, surface_b): (&Frame, &Surface),
+        bounds: &BoundingBox,
+    ) -> Result<()> {
+        if self.heatmap.is_none() && self.values.is_none() {
+            return Ok(());
+        }
+        let (on_a, on_b) = (surface_b.distances_of(surface_a), surface_a.distances_of(surface_b));
+        if let Some(path) = &self.heatmap {
+            let title = format!("distance between the surfaces, frame {}", a.index);
+            let sides = [("reference", &a.mesh, &on_a[..]), ("other", &b.mesh, &on_b[..])];
+            write_file(path, |out| heatmap::turntable(out, title, sides, bounds))?;
+        }
+        if let Some(path) = &self.values {
+            let values: Vec<f32> = on_b.iter().map(|&error| error as f32).collect();
+            write_mesh_with_scalar(path, &b.mesh, "error", &values)?;
+        }
+        Ok(())
+    }
+
+    fn print(&self, comparison: &Comparison) -> Result<()> {
+        let mut out = io::stdout().lock();
+        if let Some(path) = &self.csv {
+            drop(out);
+            write_file(path, |out| Ok(comparison.write_csv(out)?))?;
+            if crate::output::is_dash(path) {
+                return Ok(());
+            }
+            out = io::stdout().lock();
+        }
+        if self.json {
+            serde_json::to_writer_pretty(&mut out, comparison)?;
+            writeln!(out)?;
+        } else {
+            comparison.write_table(&mut out)?;
+        }
+        Ok(())
+    }
+}
+
+fn surface(frame: &Frame, depth: Depth) -> Result<Surface> {
+    Surface::new(&frame.mesh, depth)
+        .with_context(|| format!("{}: frame {}", frame.file, frame.index))
+}

@@ -1,0 +1,85 @@
+//! Meshes coloured by their local error.
+
+use crate::picture::{CLAY, Canvas, Paint, Sheet, View, colour_of, render};
+use anyhow::Result;
+use kn_mesh::{BoundingBox, Mesh};
+use std::io::Write;
+
+/// Width and height of one picture.
+const PICTURE: [usize; 2] = [160, 270];
+
+/// A round number of world units that the largest of nearly all errors stays below: the end of
+/// the colour scale. A few outliers must not make the rest look perfect.
+pub(crate) fn scale_end<'e>(errors: impl Iterator<Item = &'e [f64]>) -> f64 {
+    const SHARE: f64 = 0.99;
+    let mut all: Vec<f64> = errors.flatten().copied().filter(|error| error.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    let at = (SHARE * all.len() as f64) as usize;
+    round_up(all.get(at.min(all.len().saturating_sub(1))).copied().unwrap_or(0.0))
+}
+
+/// The next of 1, 2, 5, 10, ... times a power of ten.
+fn round_up(value: f64) -> f64 {
+    if value <= 0.0 || !value.is_finite() {
+        return 1.0;
+    }
+    let power = 10.0_f64.powf(value.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    steps.into_iter().find(|&step| step >= value).unwrap_or(value)
+}
+
+/// The mesh as it is.
+pub(crate) fn plain(mesh: &Mesh, view: &View) -> Canvas {
+    render(mesh, Paint::Plain(CLAY), view, PICTURE)
+}
+
+/// The mesh coloured by `errors` (`#V`, world units) from 0 to `end`.
+pub(crate) fn coloured(mesh: &Mesh, errors: &[f64], end: f64, view: &View) -> Canvas {
+    let colours: Vec<_> = errors.iter().map(|error| colour_of((error / end) as f32)).collect();
+    render(mesh, Paint::PerVertex(&colours), view, PICTURE)
+}
+
+/// What is written at the scale.
+pub(crate) fn scale_labels(end: f64, unit: &str) -> [String; 3] {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    [format!("0{unit}"), format!("{}{unit}", end / 2.0), format!("{end}{unit} and more")]
+}
+
+/// Two meshes, each coloured by its distance from the other, from four sides.
+pub(crate) fn turntable(
+    out: &mut dyn Write,
+    title: String,
+    sides: [(&str, &Mesh, &[f64]); 2],
+    bounds: &BoundingBox,
+) -> Result<()> {
+    const TURNS: [f32; 4] = [0.0, 90.0, 180.0, 270.0];
+    const UP_AXIS: u8 = 1;
+    let end = scale_end(sides.iter().map(|side| side.2));
+    let views = TURNS.map(|degrees| View::new(bounds, UP_AXIS, degrees));
+    let row = |(name, mesh, errors): (&str, &Mesh, &[f64])| {
+        let pictures = views.iter().map(|view| coloured(mesh, errors, end, view)).collect();
+        (name.to_owned(), pictures)
+    };
+    let sheet = Sheet {
+        title,
+        columns: TURNS.iter().map(|degrees| format!("{degrees} degrees")).collect(),
+        rows: sides.into_iter().map(row).collect(),
+        scale: Some(scale_labels(end, "")),
+    };
+    Ok(sheet.draw().write_png(out)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_ends_at_a_round_number_above_nearly_all() {
+        let mut errors = vec![0.0031; 999];
+        errors.push(7.0);
+        assert_eq!(scale_end([&errors[..]].into_iter()), 0.005);
+        assert_eq!(scale_end([&[0.0][..], &[]].into_iter()), 1.0);
+        assert_eq!(round_up(0.2), 0.2);
+        assert_eq!(round_up(730.0), 1000.0);
+    }
+}
