@@ -1,0 +1,226 @@
+//! Decoding of one unit of each type.
+
+use super::{FrameInfo, FrameKind, Stage, Step, StreamDecoder};
+use crate::decode::reconstruction::Reconstruction;
+use crate::digest::{faces_digest, positions_digest};
+use crate::error::{DecodeError, DecodeErrorKind};
+use crate::intra::{IntraError, IntraLimits, decode_intra};
+use kn_bitstream::unit::{self, Unit};
+use kn_bitstream::{
+    BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext, LabelSet,
+    MotionContext, SequenceHeader, Trace, rule,
+};
+
+impl StreamDecoder {
+    /// Decodes a unit that comes in order; `payload_start` is a bit of the file.
+    pub(super) fn decode_unit(
+        &mut self,
+        unit: &Unit<'_>,
+        payload_start: u64,
+        trace: Option<&mut Trace<'_>>,
+    ) -> Result<Step, DecodeError> {
+        self.frame_bytes += unit.total_len as u64;
+        let mut bits = BitReader::new(unit.payload).at(payload_start);
+        if let Some(trace) = trace {
+            bits = bits.traced(trace);
+        }
+        match unit.unit_type {
+            unit::SEQUENCE_HEADER => self.decode_header(bits),
+            unit::INTRA_FRAME => self.decode_intra_frame(bits),
+            unit::KEY_NODES => self.decode_nodes(bits),
+            unit::MOTION_FRAME => self.decode_motion_frame(bits),
+            unit::INDEX => self.decode_index(bits, unit.payload.len() as u32),
+            _ => Ok(Step::Continue),
+        }
+    }
+
+    fn decode_header(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let header = SequenceHeader::read(&mut bits).map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.level = header.limits().ok_or(self.malformed(rule::HEADER_LEVEL_KNOWN, at))?;
+        self.group = Reconstruction::new(&header);
+        self.header = Some(header);
+        self.stage = Stage::FirstGroup;
+        self.frame_bytes = 0;
+        Ok(Step::Continue)
+    }
+
+    fn decode_intra_frame(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let frame = IntraFrame::read(&mut bits).map_err(|error| self.at(error))?;
+        // The payload is the last element, so it begins where the reader ends.
+        let payload_start = bits.position() - 8 * frame.payload.len() as u64;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.begin_group();
+        let limits = IntraLimits {
+            max_vertices: self.limits.max_vertices.min(self.level.max_vertices),
+            max_faces: self.limits.max_faces.min(self.level.max_faces),
+        };
+        let decoder = &mut self.intra_decoder;
+        self.group
+            .begin(|mesh| decode_intra(frame.payload, &limits, decoder, mesh))
+            .map_err(|error| self.intra_error(error, payload_start))?;
+        self.check_labels(payload_start)?;
+        self.show(&frame.header)?;
+        if self.check_digests
+            && frame.faces_digest.is_some_and(|digest| digest != faces_digest(self.faces()))
+        {
+            return Err(DecodeErrorKind::Digest { frame: self.frame, what: "faces" }.into());
+        }
+        self.stage = Stage::AfterIntra;
+        Ok(self.finish_frame(FrameKind::Intra))
+    }
+
+    /// A new group begins at the current unit.
+    fn begin_group(&mut self) {
+        self.close_group();
+        self.group_start = self.offset;
+        self.groups.push(IndexGroup { bytes: 0, frames: 0 });
+    }
+
+    /// The last group ends before the current unit. Sizes beyond 4 GiB saturate and then cannot
+    /// match an index.
+    fn close_group(&mut self) {
+        let bytes = u32::try_from(self.offset - self.group_start).unwrap_or(u32::MAX);
+        if let Some(group) = self.groups.last_mut() {
+            group.bytes = bytes;
+        }
+    }
+
+    fn check_labels(&self, at: u64) -> Result<(), DecodeError> {
+        let has_set = self.header.as_ref().is_some_and(|h| h.labels != LabelSet::None);
+        let intra = self.group.intra();
+        let expected = if has_set { intra.positions.len() } else { 0 };
+        if intra.labels.len() != expected {
+            Err(self.malformed(rule::INTRA_LABELS_PRESENT, at))
+        } else if !self.group.labels_in_range() {
+            Err(self.malformed(rule::INTRA_LABELS_RANGE, at))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn decode_nodes(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let vertex_count = self.group.intra().positions.len() as u32;
+        if vertex_count == 0 {
+            return Err(self.malformed(rule::INTRA_VERTICES_NODES, at));
+        }
+        let header = self.header.as_ref().ok_or(self.malformed(rule::FILE_ORDER, at))?;
+        let context = KeyNodesContext {
+            label_count: header.labels.label_count(),
+            weight_scheme: header.weight_scheme,
+            vertex_count,
+            max_nodes: self.level.max_nodes,
+        };
+        let nodes = KeyNodes::read(&mut bits, &context).map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        if nodes.count() > self.limits.max_nodes {
+            let (asked, allowed) = (u64::from(nodes.count()), u64::from(self.limits.max_nodes));
+            return Err(DecodeErrorKind::Limit { what: "key nodes", asked, allowed, at }.into());
+        }
+        self.group.place(&nodes).map_err(|rule| self.malformed(rule, at))?;
+        self.stage = Stage::AfterNodes;
+        Ok(Step::Continue)
+    }
+
+    fn decode_motion_frame(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let max_length = self.max_group_length();
+        if self.groups.last().is_none_or(|group| group.frames >= max_length) {
+            return Err(self.malformed(rule::FILE_GROUP_LENGTH, at));
+        }
+        let context = MotionContext {
+            node_count: self.group.nodes().positions.len() as u32,
+            affine_count: self.group.nodes().affine_count(),
+        };
+        let mut motion = std::mem::take(&mut self.motion);
+        let result = motion.read(&mut bits, &context).and_then(|()| bits.finish());
+        self.motion = motion;
+        result.map_err(|error| self.at(error))?;
+        self.group.apply(&self.motion).map_err(|rule| self.malformed(rule, at))?;
+        let header = std::mem::take(&mut self.motion.header);
+        let shown = self.show(&header);
+        self.motion.header = header;
+        shown?;
+        self.stage = Stage::InGroup;
+        Ok(self.finish_frame(FrameKind::Predicted))
+    }
+
+    /// Rounds the reference to the grid and checks its digest.
+    fn show(&mut self, header: &FrameHeader) -> Result<(), DecodeError> {
+        self.frame_name.clear();
+        self.frame_name.push_str(&header.name);
+        self.group.show(&mut self.shown);
+        match header.positions_digest {
+            Some(digest) if self.check_digests && digest != positions_digest(&self.shown) => {
+                Err(DecodeErrorKind::Digest { frame: self.frame, what: "positions" }.into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn finish_frame(&mut self, kind: FrameKind) -> Step {
+        if let Some(group) = self.groups.last_mut() {
+            // Bounded by max_group_length, which is at most 255.
+            group.frames += 1;
+        }
+        let nodes = match kind {
+            FrameKind::Intra => 0,
+            FrameKind::Predicted => self.group.nodes().positions.len() as u32,
+        };
+        let info = FrameInfo {
+            index: self.frame,
+            kind,
+            bytes: self.frame_bytes,
+            vertices: self.shown.len() as u32,
+            faces: self.faces().len() as u32,
+            nodes,
+        };
+        self.frame += 1;
+        self.frame_bytes = 0;
+        Step::Frame(info)
+    }
+
+    fn decode_index(
+        &mut self,
+        mut bits: BitReader<'_, '_>,
+        size: u32,
+    ) -> Result<Step, DecodeError> {
+        let at = bits.position();
+        let index = Index::read(&mut bits, size, self.max_group_length())
+            .map_err(|error| self.at(error))?;
+        bits.finish().map_err(|error| self.at(error))?;
+        self.close_group();
+        if index.groups != self.groups {
+            return Err(self.malformed(rule::INDEX_GROUPS_MATCH, at));
+        }
+        self.stage = Stage::End;
+        Ok(Step::Continue)
+    }
+
+    /// An error of the I-frame's mesh, placed in this file.
+    fn intra_error(&self, error: IntraError, payload_start: u64) -> DecodeError {
+        match error {
+            IntraError::Malformed { rule, at } => {
+                self.malformed(rule, payload_start + 8 * at as u64)
+            }
+            IntraError::Limit { what, asked, allowed } => {
+                let of_level = match what {
+                    "vertices" => self.level.max_vertices,
+                    _ => self.level.max_faces,
+                };
+                if asked > of_level {
+                    return self.malformed(rule::INTRA_SIZE_LEVEL, payload_start);
+                }
+                let (asked, allowed) = (u64::from(asked), u64::from(allowed));
+                DecodeErrorKind::Limit { what, asked, allowed, at: payload_start }.into()
+            }
+            // What only an encoder meets.
+            IntraError::FaceIndex { .. }
+            | IntraError::Outside { .. }
+            | IntraError::LabelCount { .. }
+            | IntraError::TooLarge { .. } => DecodeErrorKind::Failed.into(),
+        }
+    }
+}
