@@ -3,7 +3,10 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2, Msdm2Surface, msdm2};
+use kn_metrics::{
+    DEFAULT_LEVELS, Interpolation, Msdm2, Msdm2Surface, PointCloud, TriangleTree, msdm2, p2s,
+    point_distortion,
+};
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
@@ -136,6 +139,63 @@ fn msdm2_gives_the_oracle_values() {
         failures.extend(errors(row, expected, "msdm2", &found));
         let found = msdm2(&a, &b, Interpolation::Projected);
         failures.extend(errors(row, expected, "msdm2_proj", &found));
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Both meshes in the oracle's units: the largest side of `a` is 1023, its minimum 0.
+fn scaled(a: &Mesh, b: &Mesh) -> [PointCloud; 2] {
+    let least = |axis: usize| a.0.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
+    let most = |axis: usize| a.0.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let min = [0, 1, 2].map(least);
+    let side = (0..3).map(|axis| most(axis) - min[axis]).fold(0.0, f64::max);
+    [a, b].map(|mesh| {
+        let position = |p: &[f64; 3]| [0, 1, 2].map(|axis| (p[axis] - min[axis]) * 1023.0 / side);
+        let positions: Vec<[f64; 3]> = mesh.0.iter().map(position).collect();
+        PointCloud::from_vertices(&positions, &mesh.1).unwrap()
+    })
+}
+
+fn is_near(found: f64, expected: f64, tolerance: f64) -> bool {
+    found == expected || (found - expected).abs() <= tolerance * expected.abs() + 1e-8
+}
+
+#[test]
+fn point_metrics_give_the_oracle_values() {
+    let Some(folder) = oracle() else { return };
+    let mut failures = Vec::new();
+    for row in rows(&folder) {
+        let [a, b] = ["A", "B"].map(|column| read_off(&folder.join(&row[column])));
+        let [cloud_a, cloud_b] = scaled(&a, &b);
+        let found = point_distortion(&cloud_a, &cloud_b);
+        for (column, found, tolerance) in [
+            ("v_D1_mse_A", found.d1.0, 1e-5),
+            ("v_D1_mse_B", found.d1.1, 1e-5),
+            ("v_D2_mse_A", found.d2.0, 1e-5),
+            ("v_D2_mse_B", found.d2.1, 1e-5),
+            ("v_D1_psnr", found.d1_psnr(1023.0), 1e-5),
+            ("v_D2_psnr", found.d2_psnr(1023.0), 1e-5),
+        ] {
+            let expected = number(&row, column);
+            // Every new vertex is as near to both ends of its edge, up to rounding.
+            let tolerance = if row["id"] == "spot_midpoint" { 3e-3 } else { tolerance };
+            if !is_near(found, expected, tolerance) {
+                failures.push(format!("{} {column}: {found} instead of {expected}", row["id"]));
+            }
+        }
+        let [tree_a, tree_b] = [&a, &b].map(|m| TriangleTree::new(&m.0, &m.1).unwrap());
+        let found = p2s((&a.0, &a.1, &tree_a), (&b.0, &b.1, &tree_b), 100_000).unwrap();
+        for (column, found, tolerance) in [
+            ("surf_rms_AtoB", found.from_reference.rms(), 0.03),
+            ("surf_rms_BtoA", found.from_other.rms(), 0.03),
+            ("surf_rms_sym", found.rms(), 0.03),
+            ("hausdorff_sym", found.hausdorff(), 0.07),
+        ] {
+            let expected = number(&row, column);
+            if !is_near(found, expected, tolerance) && expected > 1e-14 {
+                failures.push(format!("{} {column}: {found} instead of {expected}", row["id"]));
+            }
+        }
     }
     assert!(failures.is_empty(), "{failures:#?}");
 }

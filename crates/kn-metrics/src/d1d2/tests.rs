@@ -1,0 +1,83 @@
+use super::*;
+
+/// A square in the plane z, of side 8.
+fn square(z: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let positions = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]].map(|[x, y]| [x, y, z]);
+    (positions.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+}
+
+fn grid() -> Grid {
+    Grid::new([0.0; 3], [8.0, 8.0, 2.0], 9).unwrap()
+}
+
+#[test]
+fn a_square_has_a_point_on_every_crossing_once() {
+    let (positions, faces) = square(1.0);
+    let cloud = PointCloud::from_grid(&positions, &faces, &grid()).unwrap();
+    assert_eq!(cloud.len(), 81);
+    assert!(cloud.points.iter().all(|p| p[2] == 1.0 && p[0].fract() == 0.0));
+    assert!(cloud.normals.iter().all(|&n| n == [0.0, 0.0, 1.0]));
+}
+
+#[test]
+fn d2_sees_only_the_way_along_the_normal() {
+    let (positions, faces) = square(0.0);
+    let cloud = PointCloud::from_vertices(&positions, &faces).unwrap();
+    let moved: Vec<Vec3> = positions.iter().map(|p| [p[0] + 1.0, p[1], p[2] + 0.5]).collect();
+    let moved = PointCloud::from_vertices(&moved, &faces).unwrap();
+    let found = point_distortion(&cloud, &moved);
+    assert_eq!((found.d1, found.d2), ((1.25, 1.25), (0.25, 0.25)));
+    assert!((found.d1_psnr(8.0) - 10.0 * (192f64 / 1.25).log10()).abs() < 1e-12);
+    assert_eq!(point_distortion(&cloud, &cloud).d2_psnr(8.0), f64::INFINITY);
+}
+
+#[test]
+fn equally_near_points_count_with_their_mean() {
+    // Between two reference points; only the first has its normal along the way.
+    let one = PointCloud::merged(vec![([0.0; 3], [0.0, 0.0, 1.0])]).unwrap();
+    let two = PointCloud::merged(vec![
+        ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ([-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+        ([0.0, 0.0, 7.0], [0.0, 0.0, 1.0]),
+    ])
+    .unwrap();
+    let found = point_distortion(&two, &one);
+    assert_eq!((found.d1.1, found.d2.1), (1.0, 0.5));
+    // The one point inherits the mean of all three normals.
+    let third = 1.0 / 3.0f64;
+    let expected = (2.0 * third.powi(2) + (7.0 * third).powi(2)) / 3.0;
+    assert!((found.d2.0 - expected).abs() < 1e-12 && found.d1.0 == 17.0);
+}
+
+#[test]
+fn bad_grids_and_meshes_are_refused() {
+    let error = |grid: Result<Grid, PointError>| grid.unwrap_err();
+    assert_eq!(error(Grid::new([0.0; 3], [0.0; 3], 1024)), PointError::BadGrid);
+    assert_eq!(error(Grid::new([0.0; 3], [1.0; 3], 1)), PointError::BadGrid);
+    assert_eq!(error(Grid::new([f64::NAN; 3], [1.0; 3], 9)), PointError::BadGrid);
+    let (positions, faces) = square(0.0);
+    let far: Vec<Vec3> = positions.iter().map(|p| p.map(|x| x * 1e9)).collect();
+    let found = PointCloud::from_grid(&far, &faces, &grid()).map(|_| ());
+    assert!(matches!(found, Err(PointError::TooManyPoints { .. })));
+    let huge: Vec<Vec3> = positions.iter().map(|p| p.map(|x| x * 1e50)).collect();
+    assert!(PointCloud::from_grid(&huge, &faces, &grid()).is_err());
+    let between = [[0.2, 0.2, 0.0], [0.4, 0.2, 0.0], [0.2, 0.4, 0.0]];
+    let found = PointCloud::from_grid(&between, &[[0, 1, 2]], &grid()).map(|_| ());
+    assert_eq!(found, Err(PointError::NoPoints));
+    assert!(PointCloud::from_vertices(&[], &[]).is_err());
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let (a, b) = (square(0.0), square(0.7));
+    let fine = Grid::new([0.0; 3], [8.0, 8.0, 2.0], 80).unwrap();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let cloud = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>)| {
+            PointCloud::from_grid(&mesh.0, &mesh.1, &fine).unwrap()
+        };
+        pool.install(|| point_distortion(&cloud(&a), &cloud(&b)))
+    };
+    let one = run(1);
+    assert!(one == run(2) && one == run(8));
+}
