@@ -201,6 +201,16 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn code_lengths_are_what_is_written(value in any::<i32>(), shift in 12..31, table in 0..48_u8) {
+            let mut writer = BitWriter::new();
+            writer.huffman(value >> shift, cauchy_table(table));
+            let estimated = cauchy_table(table).code_length(value >> shift);
+            prop_assert_eq!(writer.position(), u64::from(estimated));
+        }
+    }
+
     #[test]
     fn the_best_rice_parameter_keeps_the_unary_part_short() {
         assert_eq!(best_rice([0, 0, 0].into_iter()), 0);

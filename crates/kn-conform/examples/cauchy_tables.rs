@@ -1,7 +1,8 @@
 //! Makes `spec/tables/cauchy_huffman.csv` from the Cauchy density.
 //!
 //! `cargo run -p kn-conform --example cauchy_tables -- --check` compares with the file,
-//! `--write` replaces it. Without either, the table is printed.
+//! `--write` replaces it, `--loss` prints the mean length of each code beside the entropy of the
+//! density, also for smaller and larger M. Without any of them, the table is printed.
 //!
 //! Table i is for γ/Δ = 2^((i − 8)/4). A cell's mass is the integral of the density over it, in
 //! units of 2^-48; from there on all arithmetic is in integers, so the table has one right answer.
@@ -28,6 +29,7 @@ fn main() -> std::process::ExitCode {
                 return std::process::ExitCode::FAILURE;
             }
         }
+        Some("--loss") => print_loss(),
         _ => print!("{text}"),
     }
     std::process::ExitCode::SUCCESS
@@ -88,6 +90,51 @@ fn escape_mass(scale: f64, max_magnitude: u32) -> u64 {
 
 fn in_units(angle: f64) -> u64 {
     (angle / std::f64::consts::PI * 2_f64.powi(48)).round() as u64
+}
+
+/// Mean bits a value: the entropy, and codes whose M is 2^(k + 1) − 1 by choices of k.
+fn print_loss() {
+    println!("table  entropy     k - 2     k - 1         k     k + 1");
+    for table in (0..TABLES).step_by(4) {
+        let scale = scale(table);
+        let order = escape_order(scale);
+        print!("{table:5}{:9.3}", entropy(scale));
+        for order in [order - 2, order - 1, order, order + 1] {
+            print!("{:10.3}", mean_length(scale, order));
+        }
+        println!();
+    }
+}
+
+/// Probability of one sign's magnitudes from m on.
+fn tail(scale: f64, m: f64) -> f64 {
+    libm::atan(scale / (m - 0.5)) / std::f64::consts::PI
+}
+
+fn entropy(scale: f64) -> f64 {
+    let bits = |p: f64| -p * libm::log2(p);
+    let zero = 1.0 - 2.0 * tail(scale, 1.0);
+    let mut sum = bits(zero);
+    for m in 1..1 << 20 {
+        let m = f64::from(m);
+        sum += 2.0 * bits(tail(scale, m) - tail(scale, m + 1.0));
+    }
+    sum
+}
+
+fn mean_length(scale: f64, order: u32) -> f64 {
+    let max_magnitude = (1_u32 << order) - 1;
+    let masses = masses(scale, max_magnitude);
+    let (lengths, escape) = code_lengths(&masses, escape_mass(scale, max_magnitude));
+    let weigh = |(&mass, &length): (&u64, &usize)| mass as f64 / 2_f64.powi(48) * length as f64;
+    let mut sum: f64 = masses.iter().zip(&lengths).map(weigh).sum();
+    // Escaped: the group of an Exp-Golomb code that begins at 2^order · 2^ones.
+    for ones in 0..20 - order {
+        let from = f64::from(1_u32 << (order + ones));
+        let mass = 2.0 * (tail(scale, from) - tail(scale, 2.0 * from));
+        sum += mass * (escape as f64 + f64::from(2 * ones + 1 + order + 1));
+    }
+    sum
 }
 
 /// Huffman code lengths of the symbols and of the escape.
