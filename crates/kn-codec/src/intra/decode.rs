@@ -6,6 +6,7 @@ use super::geometry::{GeometryModels, code_positions};
 use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
+use super::lattice::Lattice;
 use super::predict::Prediction;
 use super::rule::{self, Rule};
 use super::surface::Surface;
@@ -147,6 +148,10 @@ impl IntraDecoder {
         self.errors.clear();
         self.errors.resize(vertices, 0);
         self.traversal.restart(vertices);
+        let mut lattice = Lattice::default();
+        if header.has_lattice {
+            lattice.code(coder, header.vertices)?;
+        }
         let mut models = GeometryModels::default();
         let surface = Surface { conquest: &self.conquest, twin: &self.twin };
         let mut last = code_positions(
@@ -167,6 +172,11 @@ impl IntraDecoder {
         for position in &mut mesh.positions[isolated..] {
             last = models.code_unsupported(coder, &Prediction::default(), last, *position)?;
             *position = last;
+        }
+        if header.has_lattice {
+            for position in &mut mesh.positions {
+                *position = lattice.point(*position)?;
+            }
         }
         Ok(())
     }

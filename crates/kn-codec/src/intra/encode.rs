@@ -6,6 +6,7 @@ use super::geometry::{GeometryModels, code_positions};
 use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
+use super::lattice::Lattice;
 use super::predict::Prediction;
 use super::rule::Rule;
 use super::surface::Surface;
@@ -216,10 +217,16 @@ impl<'a> IntraEncoder<'a> {
     }
 
     fn encode_geometry(&mut self, coder: &mut RangeEncoder) -> Result<(), Rule> {
-        let position = |&source: &u32| match source {
-            NONE => [0; 3],
-            vertex => self.mesh.positions[vertex as usize],
+        let mut lattice = Lattice::detect(&self.mesh.positions);
+        self.header.has_lattice = lattice.is_some();
+        if let Some(lattice) = &mut lattice {
+            lattice.code(coder, self.header.vertices)?;
+        }
+        let coded = |vertex: u32| {
+            let position = self.mesh.positions[vertex as usize];
+            lattice.as_ref().map_or(position, |lattice| lattice.ranks(position))
         };
+        let position = |&source: &u32| if source == NONE { [0; 3] } else { coded(source) };
         let mut positions: Vec<_> = self.source.iter().map(position).collect();
         let mut models = GeometryModels::default();
         let mut traversal = Traversal::default();
@@ -234,7 +241,7 @@ impl<'a> IntraEncoder<'a> {
             &mut vec![0; self.source.len()],
         )?;
         for &vertex in &self.isolated {
-            let own = self.mesh.positions[vertex as usize];
+            let own = coded(vertex);
             last = models.code_unsupported(coder, &Prediction::default(), last, own)?;
         }
         Ok(())

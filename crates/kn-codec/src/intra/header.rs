@@ -4,6 +4,8 @@ use super::rule::{self, Rule};
 
 /// Bit of the flags byte: the payload has labels.
 const LABELS: u8 = 1;
+/// Bit of the flags byte: positions are coded as ranks in a lattice.
+const LATTICE: u8 = 2;
 /// Vertices and faces that a byte of payload can hold at most.
 pub(super) const DENSITY: u64 = 2048;
 
@@ -11,6 +13,7 @@ pub(super) const DENSITY: u64 = 2048;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Header {
     pub(super) has_labels: bool,
+    pub(super) has_lattice: bool,
     /// All vertices, and how many of them no coded face uses.
     pub(super) vertices: u32,
     pub(super) isolated: u32,
@@ -32,7 +35,7 @@ impl Header {
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, usize), (Rule, usize)> {
         let mut reader = Reader { bytes, at: 0 };
         let flags = reader.byte()?;
-        if flags & !LABELS != 0 {
+        if flags & !(LABELS | LATTICE) != 0 {
             return Err((rule::HEADER, 0));
         }
         let attributes = reader.byte()?;
@@ -41,6 +44,7 @@ impl Header {
         }
         let header = Self {
             has_labels: flags & LABELS != 0,
+            has_lattice: flags & LATTICE != 0,
             vertices: reader.uleb128()?,
             isolated: reader.uleb128()?,
             faces: reader.uleb128()?,
@@ -58,7 +62,8 @@ impl Header {
     /// Appends it to `out`.
     #[cfg(feature = "encode")]
     pub(super) fn write(&self, out: &mut Vec<u8>) {
-        out.extend([u8::from(self.has_labels) * LABELS, 0]);
+        let flags = u8::from(self.has_labels) * LABELS | u8::from(self.has_lattice) * LATTICE;
+        out.extend([flags, 0]);
         for count in [
             self.vertices,
             self.isolated,

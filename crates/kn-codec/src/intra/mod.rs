@@ -19,6 +19,7 @@ mod geometry;
 mod header;
 mod joins;
 mod labels;
+mod lattice;
 mod predict;
 mod residual;
 mod rule;

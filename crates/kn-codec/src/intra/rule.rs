@@ -18,3 +18,4 @@ pub(super) const DEGENERATE: Rule = "intra.connectivity.tip";
 pub(super) const VALENCE: Rule = "intra.connectivity.valence";
 pub(super) const JOIN: Rule = "intra.join.order";
 pub(super) const POSITION: Rule = "intra.geometry.range";
+pub(super) const LATTICE: Rule = "intra.geometry.lattice";

@@ -11,7 +11,7 @@ const MEAN_BITS: u32 = 8;
 /// A running mean moves by 1/64 of the way.
 const MEAN_SHIFT: u32 = 6;
 /// What the means of tangential and normal errors differ by where both are equally uncertain.
-const EVEN: i32 = 14;
+const EVEN: i32 = 6;
 /// Octaves of variance by which the tangent plane and the normal may differ.
 const MOST_FLAT: i32 = 10;
 /// Number of contexts for expected magnitudes, half an octave each.
