@@ -4,7 +4,7 @@
 use super::Action;
 use super::motion::Motion;
 use super::random::Random;
-use super::rigid::rotation_y;
+use super::rigid::{rotation_y, wrapped};
 use super::skeleton::{PELVIS, Pose};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -97,9 +97,9 @@ fn driven(motion: &Motion, time: f64) -> (DVec3, f64, f64) {
         let response = libm::exp(-DAMPING * OMEGA * age) * libm::sin(OMEGA * age) / OMEGA * STEP;
         let (next, here, last) = (hips[i - 1], hips[i], hips[i + 1]);
         push -= (next.0 - 2.0 * here.0 + last.0) / (STEP * STEP) * response;
-        turn -= (next.1 - 2.0 * here.1 + last.1) / (STEP * STEP) * response;
+        turn -= (wrapped(next.1 - here.1) - wrapped(here.1 - last.1)) / (STEP * STEP) * response;
     }
-    let spin = (hips[0].1 - hips[4].1) / (4.0 * STEP);
+    let spin = wrapped(hips[0].1 - hips[4].1) / (4.0 * STEP);
     (push, turn, spin)
 }
 

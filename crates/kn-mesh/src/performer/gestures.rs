@@ -65,15 +65,13 @@ fn turning(motion: &Motion, time: f64, side: usize, body: &Proportions) -> ArmTa
     arm
 }
 
-/// A new gesture every two beats, the arms one beat apart or, in some phrases, together.
+/// A new gesture every two beats, the arms one beat apart.
 fn dancing(motion: &Motion, time: f64, side: usize, body: &Proportions) -> ArmTarget {
     let beats = time / motion.beat;
-    let together = motion.random.fork(60).unit((beats / 16.0).floor() as i64) < 0.35;
-    let lane = if together && !motion.holds_ball { 0 } else { side };
-    let count = (beats - lane as f64) / 2.0;
+    let count = (beats - side as f64) / 2.0;
     let index = count.floor();
-    let now = chosen(motion, index as i64, lane, side, body);
-    let next = chosen(motion, index as i64 + 1, lane, side, body);
+    let now = chosen(motion, index as i64, side, body);
+    let next = chosen(motion, index as i64 + 1, side, body);
     // Two thirds of the time on the way, with a small overshoot from the wave below.
     let mut arm = mix(&now, &next, fade((count - index) / 0.72));
     let wave = |speed: f64, i: i64| {
@@ -88,8 +86,10 @@ fn dancing(motion: &Motion, time: f64, side: usize, body: &Proportions) -> ArmTa
     arm
 }
 
-fn chosen(motion: &Motion, index: i64, lane: usize, side: usize, body: &Proportions) -> ArmTarget {
-    let random = motion.random.fork(62 + lane as i64);
+fn chosen(motion: &Motion, index: i64, side: usize, body: &Proportions) -> ArmTarget {
+    // In a third of the cases the right arm repeats what the left has just done.
+    let repeats = motion.random.fork(60).unit(index) < 0.35;
+    let random = motion.random.fork(62 + if repeats { 0 } else { side as i64 });
     let pick = if motion.holds_ball && side == 1 {
         WITH_BALL[random.below(index, WITH_BALL.len())]
     } else {
@@ -135,9 +135,12 @@ fn target(gesture: &Gesture, body: &Proportions) -> ArmTarget {
 }
 
 fn mix(a: &ArmTarget, b: &ArmTarget, share: f64) -> ArmTarget {
-    // Wrists swing around the shoulder instead of cutting through the body.
+    // Wrists swing around the shoulder instead of cutting through the body, and the more a way
+    // would pass the shoulder, the farther outside and in front.
     let (ra, rb) = (a.wrist.length(), b.wrist.length());
-    let straight = a.wrist.lerp(b.wrist, share);
+    let opposed = 0.5 - 0.5 * a.wrist.dot(b.wrist) / (ra * rb).max(1e-6);
+    let bulge = DVec3::new(0.35, 0.0, 0.75) * (ra + rb) * opposed * opposed * share * (1.0 - share);
+    let straight = a.wrist.lerp(b.wrist, share) + bulge;
     let radius = ra + share * (rb - ra);
     let round = straight.normalize_or(DVec3::Z) * radius;
     ArmTarget {

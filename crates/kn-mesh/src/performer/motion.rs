@@ -3,7 +3,7 @@
 
 use super::gestures::{arm_at, random_arm, spread_arm};
 use super::random::{Random, fade};
-use super::rigid::{Rigid, rotation_x, rotation_y, rotation_z};
+use super::rigid::{Rigid, rotation_x, rotation_y, rotation_z, wrapped};
 use super::skeleton::{Proportions, SIDE, Stance};
 use super::{Action, PerformerConfig};
 use glam::{DMat3, DVec3};
@@ -174,7 +174,7 @@ impl Motion {
         let swing = (phase - PLANTED) / (1.0 - PLANTED);
         let next = self.plant(cycle as i64 + 1, side, body);
         let share = fade(swing);
-        let yaw = here.1 + share * (next.1 - here.1);
+        let yaw = here.1 + share * wrapped(next.1 - here.1);
         let arc = libm::sin(PI * swing) * self.intensity.min(1.0);
         let height = 0.075 * arc + 0.035 * self.intensity.min(1.0) * (1.0 - share);
         let pitch = 0.28 * self.intensity.min(1.0) * (1.0 - share) - 0.16 * arc * share;

@@ -1,6 +1,7 @@
 //! Rotations and rigid transforms; sines come from libm, so that every platform gets the same bits.
 
 use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
 
 /// x ↦ rotation · x + origin.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,12 @@ pub(super) fn rotation_y(angle: f64) -> DMat3 {
 pub(super) fn rotation_z(angle: f64) -> DMat3 {
     let (s, c) = (libm::sin(angle), libm::cos(angle));
     DMat3::from_cols(DVec3::new(c, s, 0.0), DVec3::new(-s, c, 0.0), DVec3::Z)
+}
+
+/// The same angle between −π and π. A finished turn of the dance counts as none, so that
+/// differences of yaws have to be taken this way.
+pub(super) fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
 }
 
 /// The frame whose −y axis runs along `direction` and whose z axis lies as near to `front` as
