@@ -1,81 +1,166 @@
 //! How far two meshes are apart, as `kn compare` and `kn demo` report it.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use kn_mesh::{BoundingBox, Mesh};
-use kn_metrics::{Closest, DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2};
-use serde::Serialize;
+use kn_metrics::{
+    Closest, DEFAULT_LEVELS, Grid, Interpolation, Msdm2Surface, PointCloud, TriangleTree, msdm2,
+    p2s, point_distortion,
+};
+use serde::{Serialize, Serializer};
+
+/// Area-uniform samples on each surface for point-to-surface distances.
+const SAMPLES: usize = 100_000;
+
+/// Lines of the grid along the longest side, on which D1 and D2 sample the surfaces.
+const GRID_SIZE: usize = 1024;
+
+/// A number that says how far two meshes are apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Metric {
+    /// Point-to-surface RMS of the worse direction, relative to the diagonal.
+    P2sRms,
+    /// The same in world units.
+    P2sRmsWorld,
+    /// 10·log10(3·side²/rms²); infinite where the surfaces are equal.
+    P2sPsnr,
+    /// Largest distance found, relative to the diagonal.
+    Hausdorff,
+    /// The same in world units.
+    HausdorffWorld,
+    /// The mean of both directions: 0 for equal, below 1.
+    Msdm2,
+    /// The first mesh is the reference.
+    Msdm2Ab,
+    /// The second mesh is the reference.
+    Msdm2Ba,
+    /// Symmetric, with the curvature at the closest points: independent of the order of faces.
+    Msdm2Projected,
+    /// Point to point on grid samples.
+    D1Psnr,
+    /// Point to plane on grid samples.
+    D2Psnr,
+}
+
+impl Metric {
+    pub(crate) const ALL: [Self; 11] = [
+        Self::P2sRms,
+        Self::P2sRmsWorld,
+        Self::P2sPsnr,
+        Self::Hausdorff,
+        Self::HausdorffWorld,
+        Self::Msdm2,
+        Self::Msdm2Ab,
+        Self::Msdm2Ba,
+        Self::Msdm2Projected,
+        Self::D1Psnr,
+        Self::D2Psnr,
+    ];
+
+    /// Its name in JSON and CSV.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::P2sRms => "p2s_rms",
+            Self::P2sRmsWorld => "p2s_rms_world",
+            Self::P2sPsnr => "p2s_psnr",
+            Self::Hausdorff => "hausdorff",
+            Self::HausdorffWorld => "hausdorff_world",
+            Self::Msdm2 => "msdm2",
+            Self::Msdm2Ab => "msdm2_ab",
+            Self::Msdm2Ba => "msdm2_ba",
+            Self::Msdm2Projected => "msdm2_projected",
+            Self::D1Psnr => "d1_psnr",
+            Self::D2Psnr => "d2_psnr",
+        }
+    }
+}
+
+/// What was measured on one frame, or the mean of several.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Distortion([Option<f64>; Metric::ALL.len()]);
+
+impl Distortion {
+    /// A value, where it was measured.
+    pub(crate) fn get(&self, metric: Metric) -> Option<f64> {
+        self.0[metric as usize]
+    }
+
+    fn set(&mut self, metric: Metric, value: f64) {
+        self.0[metric as usize] = Some(value);
+    }
+
+    /// The mean of each number that all have; `None` where there is nothing to take it of.
+    pub(crate) fn mean<'d>(all: impl IntoIterator<Item = &'d Self>) -> Option<Self> {
+        let all: Vec<&Self> = all.into_iter().collect();
+        let mean = |metric| {
+            let sum: Option<f64> = all.iter().map(|one| one.get(metric)).sum();
+            sum.map(|sum| sum / all.len() as f64)
+        };
+        (!all.is_empty()).then(|| Self(Metric::ALL.map(mean)))
+    }
+}
+
+impl Serialize for Distortion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let measured = Metric::ALL.into_iter().filter_map(|m| Some((m.name(), self.get(m)?)));
+        serializer.collect_map(measured)
+    }
+}
 
 /// What relative distances and decibels refer to: the box of the whole reference sequence.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
-    /// Longest side, world units: the peak of the PSNR.
-    pub(crate) side: f64,
-    /// Diagonal, world units: the unit of relative distances.
-    pub(crate) diagonal: f64,
+    bounds: BoundingBox,
 }
 
 impl From<BoundingBox> for Scale {
     fn from(bounds: BoundingBox) -> Self {
-        Self { side: bounds.longest_side(), diagonal: bounds.diagonal() }
+        Self { bounds }
     }
 }
 
-/// Which metrics to compute.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+impl Scale {
+    /// Longest side, world units: the peak of decibels.
+    pub(crate) fn side(&self) -> f64 {
+        self.bounds.longest_side()
+    }
+
+    /// Diagonal, world units: the unit of relative distances.
+    pub(crate) fn diagonal(&self) -> f64 {
+        self.bounds.diagonal()
+    }
+}
+
+/// How much to measure; each includes those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Depth {
-    /// Point to surface only.
+    /// Point to surface.
     Distance,
-    /// MSDM2 too.
+    /// MSDM2.
     Perceptual,
-}
-
-/// Distortion of one frame, or its mean over several.
-#[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Distortion {
-    /// Point-to-surface RMS of the worse direction, relative to the diagonal.
-    pub(crate) p2s_rms: f64,
-    /// The same in world units.
-    pub(crate) p2s_rms_world: f64,
-    /// 10·log10(3·side²/rms²); infinite where the surfaces are equal.
-    pub(crate) p2s_psnr: f64,
-    /// Largest distance found, relative to the diagonal.
-    pub(crate) hausdorff: f64,
-    /// The same in world units.
-    pub(crate) hausdorff_world: f64,
-    /// MSDM2, symmetric, from the reference to the other, and back.
-    #[serde(flatten)]
-    pub(crate) perceptual: Option<Perceptual>,
-}
-
-/// MSDM2: 0 for equal, below 1.
-#[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Perceptual {
-    pub(crate) msdm2: f64,
-    /// The first mesh is the reference.
-    pub(crate) msdm2_ab: f64,
-    /// The second mesh is the reference.
-    pub(crate) msdm2_ba: f64,
-    /// Symmetric, with the curvature at the closest points: independent of the order of faces.
-    pub(crate) msdm2_projected: f64,
+    /// MSDM2 at the closest points, D1 and D2.
+    All,
 }
 
 /// A mesh prepared for measuring: it costs a tree, and for MSDM2 the curvature.
 pub(crate) struct Surface {
     positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
     tree: TriangleTree,
     perceptual: Option<Msdm2Surface>,
 }
 
 impl Surface {
-    /// Prepares a mesh for those metrics.
+    /// Prepares a mesh.
     pub(crate) fn new(mesh: &Mesh, depth: Depth) -> Result<Self> {
-        let positions = mesh.positions_f64();
-        let tree = TriangleTree::new(&positions, &mesh.faces)?;
+        let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
+        let tree = TriangleTree::new(&positions, &faces)?;
         let perceptual = match depth {
             Depth::Distance => None,
-            Depth::Perceptual => Some(Msdm2Surface::new(&positions, &mesh.faces, DEFAULT_LEVELS)?),
+            Depth::Perceptual | Depth::All => {
+                Some(Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?)
+            }
         };
-        Ok(Self { positions, tree, perceptual })
+        Ok(Self { positions, faces, tree, perceptual })
     }
 
     /// `#V of other` distances from the vertices of `other` to this surface, world units.
@@ -85,67 +170,129 @@ impl Surface {
     }
 }
 
-impl Distortion {
-    /// Measures `other` against `reference`; MSDM2 where both are prepared for it.
-    pub(crate) fn measure(reference: &Surface, other: &Surface, scale: &Scale) -> Self {
-        let perceptual = Perceptual::measure(reference, other);
-        Self { perceptual, ..Self::distance(reference, other, scale) }
+/// Measures `other` against `reference`; both are prepared for that depth.
+pub(crate) fn measure(
+    reference: &Surface,
+    other: &Surface,
+    scale: &Scale,
+    depth: Depth,
+) -> Result<Distortion> {
+    let mut distortion = Distortion::default();
+    measure_distance(reference, other, scale, &mut distortion)?;
+    if depth >= Depth::Perceptual {
+        measure_msdm2(reference, other, depth, &mut distortion);
     }
-
-    /// Measures distances only.
-    pub(crate) fn distance(reference: &Surface, other: &Surface, scale: &Scale) -> Self {
-        let one_way = |from: &Surface, to: &Surface| {
-            let distances = to.distances_of(from);
-            let max = distances.iter().copied().fold(0.0, f64::max);
-            ((distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt(), max)
-        };
-        let (forward, backward) = (one_way(reference, other), one_way(other, reference));
-        let (rms, max) = (forward.0.max(backward.0), forward.1.max(backward.1));
-        Self {
-            p2s_rms: rms / scale.diagonal,
-            p2s_rms_world: rms,
-            p2s_psnr: 10.0 * (3.0 * (scale.side / rms).powi(2)).log10(),
-            hausdorff: max / scale.diagonal,
-            hausdorff_world: max,
-            perceptual: None,
-        }
+    if depth >= Depth::All {
+        measure_points(reference, other, scale, &mut distortion)?;
     }
+    Ok(distortion)
+}
 
-    /// The mean of each number; `None` where there is none to take it of.
-    pub(crate) fn mean<'d>(all: impl Iterator<Item = &'d Self> + Clone) -> Option<Self> {
-        let count = all.clone().count();
-        let mean =
-            |value: &dyn Fn(&Self) -> f64| all.clone().map(value).sum::<f64>() / count as f64;
-        let perceptual = |value: fn(&Perceptual) -> f64| {
-            mean(&|one: &Self| one.perceptual.as_ref().map_or(f64::NAN, value))
-        };
-        let has_perceptual = all.clone().all(|one| one.perceptual.is_some());
-        (count > 0).then(|| Self {
-            p2s_rms: mean(&|one| one.p2s_rms),
-            p2s_rms_world: mean(&|one| one.p2s_rms_world),
-            p2s_psnr: mean(&|one| one.p2s_psnr),
-            hausdorff: mean(&|one| one.hausdorff),
-            hausdorff_world: mean(&|one| one.hausdorff_world),
-            perceptual: has_perceptual.then(|| Perceptual {
-                msdm2: perceptual(|p| p.msdm2),
-                msdm2_ab: perceptual(|p| p.msdm2_ab),
-                msdm2_ba: perceptual(|p| p.msdm2_ba),
-                msdm2_projected: perceptual(|p| p.msdm2_projected),
-            }),
-        })
+fn measure_distance(
+    reference: &Surface,
+    other: &Surface,
+    scale: &Scale,
+    distortion: &mut Distortion,
+) -> Result<()> {
+    let distance = p2s(
+        (&reference.positions, &reference.faces, &reference.tree),
+        (&other.positions, &other.faces, &other.tree),
+        SAMPLES,
+    )?;
+    distortion.set(Metric::P2sRms, distance.rms() / scale.diagonal());
+    distortion.set(Metric::P2sRmsWorld, distance.rms());
+    distortion.set(Metric::P2sPsnr, distance.psnr(scale.side()));
+    distortion.set(Metric::Hausdorff, distance.hausdorff() / scale.diagonal());
+    distortion.set(Metric::HausdorffWorld, distance.hausdorff());
+    Ok(())
+}
+
+fn measure_msdm2(reference: &Surface, other: &Surface, depth: Depth, distortion: &mut Distortion) {
+    let (Some(reference), Some(other)) = (&reference.perceptual, &other.perceptual) else { return };
+    let plain = msdm2(reference, other, Interpolation::AtVertex);
+    distortion.set(Metric::Msdm2, plain.symmetric);
+    distortion.set(Metric::Msdm2Ab, plain.forward.score);
+    distortion.set(Metric::Msdm2Ba, plain.backward.score);
+    if depth >= Depth::All {
+        let projected = msdm2(reference, other, Interpolation::Projected);
+        distortion.set(Metric::Msdm2Projected, projected.symmetric);
     }
 }
 
-impl Perceptual {
-    fn measure(reference: &Surface, other: &Surface) -> Option<Self> {
-        let (reference, other) = (reference.perceptual.as_ref()?, other.perceptual.as_ref()?);
-        let plain = msdm2(reference, other, Interpolation::AtVertex);
-        let projected = msdm2(reference, other, Interpolation::Projected);
-        Some(Self {
-            msdm2: plain.symmetric,
-            msdm2_ab: plain.forward.score,
-            msdm2_ba: plain.backward.score,
-            msdm2_projected: projected.symmetric,
-        })
+fn measure_points(
+    reference: &Surface,
+    other: &Surface,
+    scale: &Scale,
+    distortion: &mut Distortion,
+) -> Result<()> {
+    let grid = Grid::new(scale.bounds.min, scale.bounds.max, GRID_SIZE).context("D1 and D2")?;
+    let cloud = |surface: &Surface| {
+        PointCloud::from_grid(&surface.positions, &surface.faces, &grid).context("D1 and D2")
+    };
+    let points = point_distortion(&cloud(reference)?, &cloud(other)?);
+    distortion.set(Metric::D1Psnr, points.d1_psnr(scale.side()));
+    distortion.set(Metric::D2Psnr, points.d2_psnr(scale.side()));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bent sheet of `n × n` squares of side 1 / n, moved by `z`.
+    fn sheet(n: u32, z: f32) -> Mesh {
+        let at = |i: u32| (i % (n + 1), i / (n + 1));
+        let position = |i| {
+            let (x, y) = at(i);
+            let (x, y) = (x as f32 / n as f32, y as f32 / n as f32);
+            [x, y, z + 0.1 * (5.0 * x).sin()]
+        };
+        let corner = |i: u32| i % n + i / n * (n + 1);
+        let faces =
+            (0..n * n).map(corner).flat_map(|c| [[c, c + 1, c + n + 2], [c, c + n + 2, c + n + 1]]);
+        Mesh {
+            positions: (0..(n + 1) * (n + 1)).map(position).collect(),
+            faces: faces.collect(),
+            labels: Vec::new(),
+        }
+    }
+
+    fn distortion(a: &Mesh, b: &Mesh) -> Distortion {
+        let scale = Scale::from(a.bounding_box().expect("a box"));
+        let surfaces = [a, b].map(|mesh| Surface::new(mesh, Depth::All).expect("a surface"));
+        measure(&surfaces[0], &surfaces[1], &scale, Depth::All).expect("measured")
+    }
+
+    #[test]
+    fn a_moved_sheet_is_as_far_as_it_was_moved() {
+        let (a, b) = (sheet(20, 0.0), sheet(20, 0.01));
+        let found = distortion(&a, &b);
+        let rms = found.get(Metric::P2sRmsWorld).expect("measured");
+        assert!((0.008..=0.010).contains(&rms), "{rms}");
+        let relative = found.get(Metric::P2sRms).expect("measured");
+        let diagonal = a.bounding_box().expect("a box").diagonal();
+        assert!((relative * diagonal - rms).abs() < 1e-12);
+        assert!(Metric::ALL.into_iter().all(|metric| found.get(metric).is_some()));
+    }
+
+    #[test]
+    fn equal_meshes_are_at_no_distance() {
+        let found = distortion(&sheet(8, 0.0), &sheet(8, 0.0));
+        assert_eq!(found.get(Metric::P2sRms), Some(0.0));
+        assert_eq!(found.get(Metric::P2sPsnr), Some(f64::INFINITY));
+        assert_eq!(found.get(Metric::Msdm2), Some(0.0));
+    }
+
+    #[test]
+    fn means_are_of_what_all_have() {
+        let mut one = Distortion::default();
+        one.set(Metric::P2sRms, 1.0);
+        one.set(Metric::Msdm2, 0.5);
+        let mut two = Distortion::default();
+        two.set(Metric::P2sRms, 3.0);
+        let mean = Distortion::mean([&one, &two]).expect("two");
+        assert_eq!((mean.get(Metric::P2sRms), mean.get(Metric::Msdm2)), (Some(2.0), None));
+        assert_eq!(Distortion::mean([]), None);
+        assert_eq!(serde_json::to_string(&mean).expect("JSON"), r#"{"p2s_rms":2.0}"#);
     }
 }

@@ -11,7 +11,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const COMMANDS: [&str; 7] = ["encode", "decode", "info", "dump", "verify", "compare", "demo"];
+const COMMANDS: [&str; 8] =
+    ["encode", "decode", "info", "dump", "verify", "compare", "demo", "conform"];
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")

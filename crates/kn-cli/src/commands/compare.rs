@@ -3,7 +3,7 @@
 mod output;
 
 use crate::arguments::{FrameRange, Global};
-use crate::distortion::{Depth, Distortion, Scale, Surface};
+use crate::distortion::{self, Depth, Scale, Surface};
 use crate::output::write_file;
 use crate::sequence::{Frame, Reader, Sequence};
 use crate::{Outcome, heatmap, progress, stream};
@@ -46,7 +46,7 @@ pub(crate) struct CompareArguments {
     /// Measure these frames only: 5, 3..7 (both included), 3.. or ..7
     #[arg(long, value_name = "RANGE", default_value = "..")]
     frames: FrameRange,
-    /// Distances only, without MSDM2
+    /// Point-to-surface distances only, without MSDM2, D1 and D2
     #[arg(long)]
     fast: bool,
     /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
@@ -81,7 +81,7 @@ impl CompareArguments {
         global: &Global,
     ) -> Result<Comparison> {
         let scale = Scale::from(*bounds);
-        let depth = if self.fast { Depth::Distance } else { Depth::Perceptual };
+        let depth = if self.fast { Depth::Distance } else { Depth::All };
         let bar = progress::bar(global, "measuring", None);
         let (mut left, mut right) = (reference.reader()?, other.reader()?);
         let mut frames = Vec::new();
@@ -96,11 +96,12 @@ impl CompareArguments {
             if frames.is_empty() {
                 self.draw((&a, &surfaces.0), (&b, &surfaces.1), bounds)?;
             }
-            let distortion = Distortion::measure(&surfaces.0, &surfaces.1, &scale);
+            let distortion = distortion::measure(&surfaces.0, &surfaces.1, &scale, depth)
+                .with_context(|| format!("{}: frame {}", b.file, b.index))?;
             frames.push(FrameRow::new(&b, distortion));
             bar.step();
         }
-        Comparison::new(frames, scale).context("there is no frame to measure")
+        Comparison::new(frames, &scale).context("there is no frame to measure")
     }
 
     /// The next frame of both sides; sequences of different length are an error.

@@ -4,7 +4,7 @@ mod picture;
 mod result;
 
 use crate::arguments::Global;
-use crate::distortion::{Depth, Distortion, Scale, Surface};
+use crate::distortion::{self, Depth, Metric, Scale, Surface};
 use crate::output::write_file;
 use crate::stream::kind_letter;
 use crate::{Outcome, progress};
@@ -148,10 +148,11 @@ fn measure(
     for (scan, DecodedFrame { info, mesh }) in scans.iter().zip(decoded) {
         let reference = Surface::new(scan, Depth::Perceptual)?;
         let surface = Surface::new(mesh, Depth::Perceptual)?;
-        let distortion = Distortion::measure(&reference, &surface, &scale);
+        let distortion = distortion::measure(&reference, &surface, &scale, Depth::Perceptual)?;
         let held_still = match (info.kind, &still) {
             (FrameKind::Predicted, Some(still)) => {
-                Some(Distortion::distance(&reference, still, &scale).p2s_rms_world)
+                distortion::measure(&reference, still, &scale, Depth::Distance)?
+                    .get(Metric::P2sRmsWorld)
             }
             _ => None,
         };

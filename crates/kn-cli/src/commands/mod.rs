@@ -1,6 +1,7 @@
 //! One file per command.
 
 mod compare;
+mod conform;
 mod decode;
 mod demo;
 mod dump;
@@ -21,6 +22,7 @@ pub(crate) enum Command {
     Verify(verify::VerifyArguments),
     Compare(compare::CompareArguments),
     Demo(demo::DemoArguments),
+    Conform(conform::ConformArguments),
 }
 
 /// Runs a command.
@@ -33,5 +35,6 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Verify(arguments) => verify::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Demo(arguments) => demo::run(arguments, global),
+        Command::Conform(arguments) => conform::run(arguments),
     }
 }

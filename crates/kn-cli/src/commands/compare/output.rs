@@ -1,6 +1,6 @@
 //! The result of a comparison: table, CSV, JSON.
 
-use crate::distortion::{Distortion, Perceptual, Scale};
+use crate::distortion::{Distortion, Metric, Scale};
 use crate::sequence::Frame;
 use crate::stream;
 use crate::table::{grouped, table};
@@ -19,7 +19,14 @@ pub(super) struct Comparison {
     frames: Vec<FrameRow>,
     /// What relative values refer to.
     #[serde(rename = "box")]
-    scale: Scale,
+    scale: BoxLengths,
+}
+
+/// Lengths of the reference's box in world units.
+#[derive(Debug, Serialize)]
+struct BoxLengths {
+    side: f64,
+    diagonal: f64,
 }
 
 /// One frame.
@@ -47,15 +54,25 @@ impl FrameRow {
 }
 
 /// Column titles of the table, after the frame's own.
-const TITLES: [&str; 7] =
-    ["P2S RMS", "of diagonal", "PSNR dB", "Hausdorff", "of diagonal", "MSDM2", "projected"];
+const TITLES: [&str; 9] = [
+    "P2S RMS",
+    "of diagonal",
+    "PSNR dB",
+    "Hausdorff",
+    "of diagonal",
+    "MSDM2",
+    "projected",
+    "D1 dB",
+    "D2 dB",
+];
 
 impl Comparison {
     /// Takes the means; `None` without frames.
-    pub(super) fn new(frames: Vec<FrameRow>, scale: Scale) -> Option<Self> {
+    pub(super) fn new(frames: Vec<FrameRow>, scale: &Scale) -> Option<Self> {
         let mean = Distortion::mean(frames.iter().map(|frame| &frame.distortion))?;
         let predicted = frames.iter().filter(|frame| frame.is_predicted());
         let mean_predicted = Distortion::mean(predicted.map(|frame| &frame.distortion));
+        let scale = BoxLengths { side: scale.side(), diagonal: scale.diagonal() };
         Some(Self { mean, mean_predicted, frames, scale })
     }
 
@@ -86,41 +103,37 @@ impl Comparison {
     }
 
     pub(super) fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        writeln!(
-            out,
-            "frame,kind,bytes,p2s_rms,p2s_rms_world,p2s_psnr,hausdorff,hausdorff_world,\
-             msdm2,msdm2_ab,msdm2_ba,msdm2_projected"
-        )?;
+        let names = Metric::ALL.map(Metric::name).join(",");
+        writeln!(out, "frame,kind,bytes,{names}")?;
         for frame in &self.frames {
-            let d = &frame.distortion;
             let kind = frame.kind.unwrap_or("");
             let bytes = frame.bytes.map_or(String::new(), |bytes| bytes.to_string());
-            write!(out, "{},{kind},{bytes},{},{},", frame.index, d.p2s_rms, d.p2s_rms_world)?;
-            write!(out, "{},{},{}", d.p2s_psnr, d.hausdorff, d.hausdorff_world)?;
-            match &d.perceptual {
-                Some(p) => writeln!(
-                    out,
-                    ",{},{},{},{}",
-                    p.msdm2, p.msdm2_ab, p.msdm2_ba, p.msdm2_projected
-                )?,
-                None => writeln!(out, ",,,,")?,
-            }
+            let value = |metric| {
+                frame.distortion.get(metric).map_or(String::new(), |value| value.to_string())
+            };
+            writeln!(out, "{},{kind},{bytes},{}", frame.index, Metric::ALL.map(value).join(","))?;
         }
         Ok(())
     }
 }
 
-fn cells(distortion: &Distortion) -> [String; 7] {
-    let perceptual = |value: fn(&Perceptual) -> f64| {
-        distortion.perceptual.as_ref().map_or(String::new(), |p| format!("{:.4}", value(p)))
+fn cells(distortion: &Distortion) -> [String; 9] {
+    let value = |metric: Metric, digits: usize| {
+        distortion.get(metric).map_or(String::new(), |value| format!("{value:.digits$}"))
+    };
+    let relative = |metric: Metric, digits: usize| {
+        let scaled = distortion.get(metric).map(|value| 1e4 * value);
+        scaled.map_or(String::new(), |value| format!("{value:.digits$}e-4"))
     };
     [
-        format!("{:.6}", distortion.p2s_rms_world),
-        format!("{:.2}e-4", distortion.p2s_rms * 1e4),
-        format!("{:.2}", distortion.p2s_psnr),
-        format!("{:.6}", distortion.hausdorff_world),
-        format!("{:.1}e-4", distortion.hausdorff * 1e4),
-        perceptual(|p| p.msdm2),
-        perceptual(|p| p.msdm2_projected),
+        value(Metric::P2sRmsWorld, 6),
+        relative(Metric::P2sRms, 2),
+        value(Metric::P2sPsnr, 2),
+        value(Metric::HausdorffWorld, 6),
+        relative(Metric::Hausdorff, 1),
+        value(Metric::Msdm2, 4),
+        value(Metric::Msdm2Projected, 4),
+        value(Metric::D1Psnr, 2),
+        value(Metric::D2Psnr, 2),
     ]
 }

@@ -43,7 +43,7 @@ pub(super) fn draw(
         .zip(&errors)
         .map(|(&index, error)| heatmap::coloured(&decoded[index].mesh, error, end, &view));
     let sheet = Sheet {
-        title: "kn demo".into(),
+        title: "kn: scans, decoded meshes, what was lost".into(),
         columns: shown.iter().map(title).collect(),
         rows: vec![
             ("scan".into(), original.collect()),

@@ -1,6 +1,6 @@
 //! What the demo found: table and JSON.
 
-use crate::distortion::Distortion;
+use crate::distortion::{Distortion, Metric};
 use crate::table::{grouped, table};
 use kn_codec::FrameInfo;
 use serde::Serialize;
@@ -152,13 +152,15 @@ impl DemoResult {
 }
 
 fn cells(distortion: &Distortion, held_still: Option<f64>) -> [String; 5] {
-    let millimetres = |metres: f64| format!("{:.2}", 1e3 * metres);
-    let msdm2 = distortion.perceptual.as_ref().map(|perceptual| perceptual.msdm2);
+    let text = |value: Option<f64>, factor: f64, digits: usize| {
+        value.map_or(String::new(), |value| format!("{:.digits$}", factor * value))
+    };
+    let millimetres = |metres| text(metres, 1e3, 2);
     [
-        millimetres(distortion.p2s_rms_world),
-        held_still.map_or(String::new(), millimetres),
-        format!("{:.1}", distortion.p2s_psnr),
-        millimetres(distortion.hausdorff_world),
-        msdm2.map_or(String::new(), |msdm2| format!("{msdm2:.3}")),
+        millimetres(distortion.get(Metric::P2sRmsWorld)),
+        millimetres(held_still),
+        text(distortion.get(Metric::P2sPsnr), 1.0, 1),
+        millimetres(distortion.get(Metric::HausdorffWorld)),
+        text(distortion.get(Metric::Msdm2), 1.0, 3),
     ]
 }
