@@ -5,7 +5,7 @@ use crate::cholesky::{BlockCholesky, Elimination};
 use crate::orthogonality;
 use crate::pattern::BlockPattern;
 use crate::quadratic::QuadraticForm;
-use argmin::core::{CostFunction, Executor, Gradient, State};
+use argmin::core::{ArgminError, CostFunction, Executor, Gradient, State};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
 use kn_deform::{Combination, NodeTransform};
@@ -18,6 +18,8 @@ const MEMORY: usize = 6;
 const TOLERANCE: f64 = 1e-4;
 /// No axis of a node shrinks below this factor.
 const LEAST_SCALE: f64 = 0.05;
+/// Bound on the evaluations of a minimisation, per iteration; one or two is usual.
+const EVALUATIONS_PER_ITERATION: usize = 8;
 /// What is added to the diagonal of the preconditioner, relative to its entries: directions that
 /// neither data nor smoothness see stay where they are.
 const DAMPING: f64 = 1e-6;
@@ -144,6 +146,7 @@ struct Preconditioned<'a> {
     factor: &'a BlockCholesky,
     /// p₀, in the factor's order.
     origin: &'a [f64],
+    most_evaluations: usize,
     state: RefCell<Evaluated>,
 }
 
@@ -191,7 +194,15 @@ impl CostFunction for &Preconditioned<'_> {
     type Output = f64;
 
     fn cost(&self, q: &Self::Param) -> Result<f64, argmin::core::Error> {
-        Ok(self.evaluate(q, |state| state.value))
+        let (value, count) = self.evaluate(q, |state| (state.value, state.count));
+        // argmin's line search has no bound of its own and may turn in circles where rounding
+        // decides or a value is not a number; an error ends it and keeps the best point.
+        if value.is_finite() && count <= self.most_evaluations {
+            Ok(value)
+        } else {
+            let text = String::from("the line search got lost");
+            Err(ArgminError::ConditionViolated { text }.into())
+        }
     }
 }
 
@@ -222,7 +233,9 @@ pub(crate) fn minimise(
     }
     let state =
         RefCell::new(Evaluated { gradient: DVector::zeros(factor.len()), ..Evaluated::default() });
-    let problem = Preconditioned { energy, elimination, factor, origin: &origin, state };
+    let most_evaluations = EVALUATIONS_PER_ITERATION * iterations as usize;
+    let origin = &origin[..];
+    let problem = Preconditioned { energy, elimination, factor, origin, most_evaluations, state };
     let zero = DVector::zeros(factor.len());
     let before = problem.evaluate(&zero, |state| state.value);
     let best = run(&problem, zero, before, iterations);
@@ -262,4 +275,111 @@ fn run(
     let value = result.state().get_best_cost();
     let best = result.state().get_best_param()?;
     (value.is_finite() && best.iter().all(|c| c.is_finite())).then(|| (best.clone(), value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::PairSet;
+    use crate::quadratic::Observations;
+
+    const COMBINATIONS: [Combination; 3] =
+        [Combination::RT, Combination::RTSH, Combination::new(false, true, false)];
+
+    fn truth() -> Vec<NodeTransform> {
+        vec![
+            NodeTransform {
+                rotation: [0.2, -0.4, 0.3],
+                translation: [1.0, 2.0, -1.0],
+                ..NodeTransform::IDENTITY
+            },
+            NodeTransform {
+                rotation: [-0.3, 0.1, 0.5],
+                scale: [1.1, 0.9, 1.05],
+                shear: [0.1, -0.05, 0.08],
+                translation: [0.5, 0.0, 2.0],
+            },
+            NodeTransform { scale: [1.2, 1.0, 0.9], ..NodeTransform::IDENTITY },
+        ]
+    }
+
+    /// Observations that the true transforms satisfy exactly, each shared by two nodes.
+    fn problem() -> (BlockPattern, QuadraticForm) {
+        let mut pairs = PairSet::new(3);
+        let mut observations = Observations::default();
+        let matrices: Vec<Affine> = truth().iter().map(affine::affine).collect();
+        for i in 0..120_usize {
+            let (a, b) = ([0, 1, 2][i % 3], [1, 2, 0][i % 3]);
+            pairs.add_clique(&[a, b]);
+            let w = 0.2 + 0.6 * (i % 7) as f64 / 7.0;
+            let x = [(i % 5) as f64 - 2.0, (i % 11) as f64 - 5.0, (i % 13) as f64 - 6.0];
+            let lever = |w: f64| [w * x[0], w * x[1], w * x[2], w];
+            let terms = [(a, lever(w)), (b, lever(1.0 - w))];
+            let offset = std::array::from_fn(|row| {
+                let product = |&(node, y): &(u16, [f64; 4])| -> f64 {
+                    (0..4).map(|k| matrices[usize::from(node)][row][k] * y[k]).sum()
+                };
+                terms.iter().map(product).sum()
+            });
+            observations.push(&terms, [1.0, 0.5, 0.8, 0.1, 0.0, 0.2], offset);
+        }
+        let pattern = BlockPattern::new(&pairs, 3);
+        let mut form = QuadraticForm::new(&pattern);
+        form.assemble(&pattern, &observations);
+        (pattern, form)
+    }
+
+    #[test]
+    fn gradient_matches_finite_differences() {
+        let (pattern, form) = problem();
+        let energy = Energy {
+            pattern: &pattern,
+            form: &form,
+            combinations: &COMBINATIONS,
+            orthogonality: 3.0,
+        };
+        let first = |node: usize| [0, 6, 18][node];
+        let parameters: Vec<f64> = (0..24).map(|i| 0.9 + 0.05 * f64::from(i % 7)).collect();
+        let value = |parameters: &[f64], gradient: &mut [f64]| {
+            let (mut m, mut s) = (Vec::new(), Vec::new());
+            energy.value_and_gradient(parameters, first, &mut m, &mut s, gradient)
+        };
+        let mut gradient = vec![0.0; 24];
+        value(&parameters, &mut gradient);
+        for p in 0..24 {
+            let at = |delta: f64| {
+                let mut moved = parameters.clone();
+                moved[p] += delta;
+                value(&moved, &mut [0.0; 24])
+            };
+            let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!((slope - gradient[p]).abs() < 1e-6 * (1.0 + slope.abs()), "parameter {p}");
+        }
+    }
+
+    #[test]
+    fn the_minimiser_finds_the_transforms() {
+        let (pattern, form) = problem();
+        let energy = Energy {
+            pattern: &pattern,
+            form: &form,
+            combinations: &COMBINATIONS,
+            orthogonality: 0.0,
+        };
+        let elimination = Elimination::new(&pattern);
+        let mut factor = BlockCholesky::default();
+        let mut transforms = vec![NodeTransform::IDENTITY; 3];
+        for _ in 0..6 {
+            energy.precondition(&elimination, &transforms, &mut factor);
+            minimise(energy, &elimination, &factor, 20, &mut transforms);
+        }
+        for (found, truth) in transforms.iter().zip(truth()) {
+            let (found, truth) = (affine::affine(found), affine::affine(&truth));
+            for i in 0..3 {
+                for j in 0..4 {
+                    assert!((found[i][j] - truth[i][j]).abs() < 1e-3, "{found:?} {truth:?}");
+                }
+            }
+        }
+    }
 }

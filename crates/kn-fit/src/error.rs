@@ -26,6 +26,9 @@ pub enum FitError {
         /// The reason.
         source: kn_metrics::TreeError,
     },
+    /// Influence cannot be bound to the nodes.
+    #[error(transparent)]
+    Bind(#[from] kn_deform::BindError),
     /// A face names a vertex that does not exist.
     #[error("face {face} of the {mesh} mesh names a vertex that does not exist")]
     BadFace {

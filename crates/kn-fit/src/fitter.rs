@@ -207,8 +207,8 @@ impl Fitter {
             let (stage, keeps) = (schedule.stage, kept.is_some());
             let matches = self.correspond(frame, stage, kept.take())?;
             self.assemble(frame, &matches, stage, schedule.regularisation);
-            let refactor = schedule.steps < FIRST_FACTORS
-                || schedule.regularisation < REFACTOR * factored_at;
+            let refactor =
+                schedule.steps < FIRST_FACTORS || schedule.regularisation < REFACTOR * factored_at;
             if refactor {
                 factored_at = schedule.regularisation;
             }

@@ -38,7 +38,7 @@ pub struct GenerateOptions {
 }
 
 /// The dense set has this many nodes for each one that is wanted.
-const DENSITY: f64 = 1.6;
+const DENSITY: f64 = 1.15;
 /// Without a wanted number the dense set has one node for this many vertices.
 const VERTICES_PER_NODE: usize = 64;
 /// One round removes at most this share of the nodes.
@@ -47,13 +47,16 @@ const REMOVED_SHARE: f64 = 0.3;
 const CONTROL: f64 = 0.01;
 /// A node pays while its removal raises the squared error by this share of the mean per node.
 const PAYS: f64 = 0.25;
+/// A change of a vertex costs at least this many times the mean squared error, so that where nothing
+/// moves in the key frame the nodes stay evenly spread.
+const PRIOR: f64 = 5.0;
 /// Rounds after the number is reached, in which the nodes that matter least move to where the
 /// error is highest.
-const MOVING_ROUNDS: usize = 2;
+const MOVING_ROUNDS: usize = 4;
 /// The share of the nodes that move in such a round.
 const MOVED_SHARE: f64 = 0.08;
 /// Inserted nodes keep this share of the node spacing from all others.
-const DISTANCE: f64 = 0.5;
+const DISTANCE: f64 = 0.35;
 /// Bound on all rounds.
 const MAX_ROUNDS: usize = 8;
 
@@ -156,6 +159,8 @@ impl Trial {
     /// nodes of each had to do without this one.
     fn removal_costs(&self, source: &NodeSource, areas: &[f64]) -> Vec<f64> {
         let matrices: Vec<[[f64; 3]; 3]> = self.transforms.iter().map(|t| t.matrix()).collect();
+        let total: f64 = areas.iter().sum();
+        let noise = PRIOR * self.squared_error(areas) / total;
         let mut costs = vec![0.0; self.nodes.len()];
         for vertex in 0..self.deformed.len() {
             for (node, weight) in self.slots(vertex) {
@@ -170,16 +175,19 @@ impl Trial {
                 // x' moves by w (own − others), and own − x' = (1 − w) (own − others).
                 let others = weight / (1.0 - weight).max(CONTROL);
                 let change = others * distance(alone, self.deformed[vertex]);
-                costs[node] += areas[vertex] * change * change;
+                costs[node] += areas[vertex] * (change * change + noise * weight * weight);
             }
         }
         costs
     }
 
+    fn squared_error(&self, areas: &[f64]) -> f64 {
+        self.errors.iter().zip(areas).map(|(error, area)| area * error * error).sum()
+    }
+
     /// How many nodes pay for themselves.
     fn paying(&self, costs: &[f64], areas: &[f64]) -> usize {
-        let error: f64 = self.errors.iter().zip(areas).map(|(e, a)| a * e * e).sum();
-        let least = PAYS * error / self.nodes.len() as f64;
+        let least = PAYS * self.squared_error(areas) / self.nodes.len() as f64;
         costs.iter().filter(|&&cost| cost >= least).count().max(1)
     }
 

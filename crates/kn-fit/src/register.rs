@@ -71,13 +71,14 @@ pub fn register(
     Ok(Registration { positions, nodes, transforms: fit.transforms, report: fit.report })
 }
 
+/// Q = 4 and weights 1/d², bound on a grid as the codec does.
 fn influence(positions: &[[f64; 3]], nodes: &[[f64; 3]]) -> Result<Influence, FitError> {
-    let mut low = positions[0];
-    let mut high = positions[0];
-    for p in positions {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for position in positions {
         for axis in 0..3 {
-            low[axis] = low[axis].min(p[axis]);
-            high[axis] = high[axis].max(p[axis]);
+            low[axis] = low[axis].min(position[axis]);
+            high[axis] = high[axis].max(position[axis]);
         }
     }
     let side = (0..3).map(|axis| high[axis] - low[axis]).fold(f64::MIN_POSITIVE, f64::max);
@@ -86,20 +87,13 @@ fn influence(positions: &[[f64; 3]], nodes: &[[f64; 3]]) -> Result<Influence, Fi
     };
     let positions: Vec<[i32; 3]> = positions.iter().map(on_grid).collect();
     let nodes: Vec<[i32; 3]> = nodes.iter().map(on_grid).collect();
+    let one_region = (vec![0; positions.len()], vec![0; nodes.len()]);
     let options = BindOptions {
         nodes_per_vertex: 4,
         weights: WeightScheme::InverseSquare,
         mode: InfluenceMode::Fallback,
     };
     let mut influence = Influence::default();
-    bind(
-        &positions,
-        &vec![0; positions.len()],
-        &nodes,
-        &vec![0; nodes.len()],
-        &options,
-        &mut influence,
-    )
-    .map_err(|_| FitError::BadInfluence { vertex: 0 })?;
+    bind(&positions, &one_region.0, &nodes, &one_region.1, &options, &mut influence)?;
     Ok(influence)
 }

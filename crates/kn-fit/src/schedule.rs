@@ -22,7 +22,7 @@ const STILL: f64 = 0.05;
 /// Steps before matches are looked for on the surface.
 const COARSE_STEPS: usize = 5;
 /// Steps of a continued fit.
-const CONTINUING_STEPS: usize = 4;
+const CONTINUING_STEPS: usize = 3;
 /// Steps with every vertex.
 const FULL_STEPS: usize = 2;
 
@@ -38,7 +38,8 @@ pub(crate) struct Schedule {
     pub(crate) converged: bool,
     final_regularisation: f64,
     max_steps: usize,
-    full_steps: usize,
+    /// Steps with every vertex that are still to come.
+    full_left: usize,
     last_residual: f64,
 }
 
@@ -50,8 +51,8 @@ impl Schedule {
             steps: 0,
             converged: false,
             final_regularisation,
-            max_steps: max_steps.max(FULL_STEPS),
-            full_steps: 0,
+            max_steps,
+            full_left: FULL_STEPS,
             last_residual: f64::INFINITY,
         }
     }
@@ -61,6 +62,7 @@ impl Schedule {
         Self {
             stage: Stage::Sampled,
             regularisation: final_regularisation,
+            full_left: 0,
             ..Self::new(final_regularisation, CONTINUING_STEPS)
         }
     }
@@ -71,12 +73,12 @@ impl Schedule {
         self.steps += 1;
         let relaxed = self.regularisation <= self.final_regularisation;
         match self.stage {
-            Stage::Full => self.full_steps += 1,
+            Stage::Full => self.full_left -= 1,
             _ if relaxed && moved < STILL && self.stage == Stage::Sampled => {
                 self.converged = true;
                 self.stage = Stage::Full;
             }
-            _ if self.steps + FULL_STEPS >= self.max_steps => self.stage = Stage::Full,
+            _ if self.steps + self.full_left >= self.max_steps => self.stage = Stage::Full,
             _ => {
                 if moved < STILL || residual > STALL * self.last_residual {
                     let relaxed = RELAXATION * self.regularisation;
@@ -88,7 +90,7 @@ impl Schedule {
             }
         }
         self.last_residual = residual;
-        self.full_steps < FULL_STEPS
+        self.stage != Stage::Full || self.full_left > 0
     }
 }
 

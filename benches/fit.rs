@@ -1,0 +1,62 @@
+//! Times of the fit on the performer: preparing a target, a first frame, a following frame, all
+//! eight combinations.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use kn_deform::{BindOptions, Combination, Influence, InfluenceMode, WeightScheme, bind};
+use kn_fit::{FitOptions, FitSource, FitTarget, Fitter, place_farthest};
+use kn_mesh::performer::{Performer, PerformerConfig};
+use std::hint::black_box;
+
+fn fit(criterion: &mut Criterion) {
+    let performer = Performer::new(PerformerConfig::default()).expect("the defaults are in range");
+    let (source, target) = (performer.frame(0), performer.frame(1));
+    let (positions, to) = (source.positions_f64(), target.positions_f64());
+    let chosen = place_farthest(&positions, &source.faces, None, 150).expect("a figure");
+    let grid: Vec<[i32; 3]> =
+        positions.iter().map(|p| p.map(|c| (1000.0 * c).round() as i32)).collect();
+    let sites: Vec<[i32; 3]> = chosen.iter().map(|&v| grid[v as usize]).collect();
+    let options = BindOptions {
+        nodes_per_vertex: 4,
+        weights: WeightScheme::InverseSquare,
+        mode: InfluenceMode::Fallback,
+    };
+    let mut influence = Influence::default();
+    let regions = (vec![0; grid.len()], vec![0; sites.len()]);
+    bind(&grid, &regions.0, &sites, &regions.1, &options, &mut influence).expect("nodes");
+    let nodes: Vec<[f64; 3]> = chosen.iter().map(|&v| positions[v as usize]).collect();
+    let affine: Vec<bool> = (0..nodes.len()).map(|node| node % 3 == 0).collect();
+    let source = FitSource {
+        positions: &positions,
+        faces: &source.faces,
+        influence: &influence,
+        nodes: &nodes,
+        affine: &affine,
+        labels: None,
+    };
+    let options = FitOptions::default();
+    let prepared = FitTarget::new(&to, &target.faces).expect("a figure");
+    let mut group = criterion.benchmark_group("fit");
+    group.sample_size(10);
+    group.bench_function("target", |b| {
+        b.iter(|| FitTarget::new(black_box(&to), &target.faces));
+    });
+    group.bench_function("first_frame", |b| {
+        b.iter(|| {
+            let mut fitter = Fitter::new(&source).expect("consistent");
+            fitter.fit_frame(&source, black_box(&prepared), &options)
+        });
+    });
+    let mut fitter = Fitter::new(&source).expect("consistent");
+    group.bench_function("next_frame", |b| {
+        b.iter(|| fitter.fit_frame(&source, black_box(&prepared), &options));
+    });
+    group.bench_function("eight_combinations", |b| {
+        b.iter(|| {
+            fitter.fit_combinations(&source, black_box(&prepared), &options, &Combination::ALL)
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, fit);
+criterion_main!(benches);
