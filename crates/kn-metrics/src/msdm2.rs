@@ -8,6 +8,7 @@ use std::borrow::Cow;
 
 use crate::tree::{TreeError, TriangleTree, check};
 use crate::vec3::Vec3;
+use curvature::Ring;
 use direction::Direction;
 use topology::Topology;
 
@@ -70,6 +71,7 @@ pub struct Msdm2Surface {
     positions: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
     topology: Topology,
+    rings: Vec<Ring>,
     tree: TriangleTree,
     /// `#V`: the lowest face that starts with the vertex, if any.
     first_faces: Vec<Option<u32>>,
@@ -128,13 +130,25 @@ impl Msdm2Surface {
         }
         let (topology, tree) =
             rayon::join(|| Topology::new(positions, faces), || TriangleTree::new(positions, faces));
-        let curvature = curvature::curvature(&topology, positions, side, &radii(side, levels));
+        let rings = curvature::rings(&topology, positions);
+        let radii = radii(side, levels);
+        let curvature = curvature::curvature(&topology, &rings, positions, side, &radii);
         let mut first_faces = vec![None; positions.len()];
         for (index, face) in faces.iter().enumerate().rev() {
             first_faces[face[0] as usize] = Some(index as u32);
         }
         let (positions, faces) = (positions.to_vec(), faces.to_vec());
-        Ok(Self { positions, faces, topology, tree: tree?, first_faces, side, levels, curvature })
+        Ok(Self {
+            positions,
+            faces,
+            topology,
+            rings,
+            tree: tree?,
+            first_faces,
+            side,
+            levels,
+            curvature,
+        })
     }
 
     /// The tree over the faces.
@@ -148,7 +162,7 @@ impl Msdm2Surface {
             return Cow::Borrowed(&self.curvature);
         }
         let radii = radii(side, levels);
-        Cow::Owned(curvature::curvature(&self.topology, &self.positions, side, &radii))
+        Cow::Owned(curvature::curvature(&self.topology, &self.rings, &self.positions, side, &radii))
     }
 }
 

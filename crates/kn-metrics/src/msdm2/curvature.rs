@@ -1,20 +1,49 @@
 //! Mean absolute curvature of every vertex at every level.
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
 use super::eigenvalues::eigenvalues;
 use super::flood::{Flood, Spheres, Step};
 use super::topology::{Symmetric, Topology};
-use crate::vec3::Vec3;
+use crate::vec3::{Vec3, length, sub};
 
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 256;
 
+/// A vertex's edges on their own: inside a sphere that every edge leaves, the tensor grows with
+/// the radius, and one set of eigenvalues serves all radii. That is most vertices of a scan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ring {
+    shortest_edge: f64,
+    /// (kmax + |kmin|) / 2 of the sum of the edges' tensors, each for a unit of length.
+    curvature: f64,
+}
+
+/// `#V` rings.
+pub(super) fn rings(topology: &Topology, positions: &[Vec3]) -> Vec<Ring> {
+    let ring = |vertex: usize| {
+        let (mut sum, mut shortest_edge) = ([0.0; 6], f64::INFINITY);
+        for to in topology.neighbours(vertex) {
+            let length = length(sub(positions[to.vertex as usize], positions[vertex]));
+            shortest_edge = length.min(shortest_edge);
+            for (sum, entry) in sum.iter_mut().zip(&topology.tensors[to.edge as usize]) {
+                *sum += entry / length;
+            }
+        }
+        Ring { shortest_edge, curvature: mean_absolute(&sum) }
+    };
+    (0..positions.len()).into_par_iter().with_min_len(CHUNK).map(ring).collect()
+}
+
 /// `#V × levels` curvatures (kmax + |kmin|) / 2 in units of 1 / `side`: Lavoué 2011, section 3.
 ///
-/// The sphere of level l has the radius `radii[l]`. A tensor that is not finite counts as flat.
+/// The sphere of level l has the radius `radii[l]`, ascending. A tensor that is not finite counts
+/// as flat.
 pub(super) fn curvature(
     topology: &Topology,
+    rings: &[Ring],
     positions: &[Vec3],
     side: f64,
     radii: &[f64],
@@ -27,13 +56,18 @@ pub(super) fn curvature(
         scratch,
         |(flood, tensors), (chunk, out)| {
             for (i, out) in out.chunks_exact_mut(levels).enumerate() {
-                let vertex = (chunk * CHUNK + i) as u32;
+                let vertex = chunk * CHUNK + i;
+                if rings[vertex].shortest_edge > radii[levels - 1] {
+                    let curvature = side * rings[vertex].curvature / PI;
+                    out.iter_mut().zip(radii).for_each(|(out, radius)| *out = curvature / radius);
+                    continue;
+                }
                 tensors.fill([0.0; 6]);
-                flood.run(topology, positions, vertex, &spheres, |step| {
+                flood.run(topology, positions, vertex as u32, &spheres, |step| {
                     add_edge(tensors, step, &topology.tensors, &spheres);
                 });
                 for (out, (tensor, radius)) in out.iter_mut().zip(tensors.iter().zip(radii)) {
-                    *out = side * mean_absolute(tensor, radius);
+                    *out = side * mean_absolute(tensor) / (PI * radius * radius);
                 }
             }
         },
@@ -43,7 +77,7 @@ pub(super) fn curvature(
 
 /// Adds the part of an edge that is inside each sphere.
 #[inline]
-fn add_edge(tensors: &mut [Symmetric], step: &Step, edges: &[Symmetric], spheres: &Spheres) {
+fn add_edge(tensors: &mut [Symmetric], step: &Step<'_>, edges: &[Symmetric], spheres: &Spheres) {
     let whole = &edges[step.to.edge as usize];
     for level in step.from.level as usize..tensors.len() {
         let leaves = level < step.to_level as usize;
@@ -54,12 +88,11 @@ fn add_edge(tensors: &mut [Symmetric], step: &Step, edges: &[Symmetric], spheres
     }
 }
 
-fn mean_absolute(tensor: &Symmetric, radius: &f64) -> f64 {
-    let area = std::f64::consts::PI * radius * radius;
+/// kmax and kmin are the two eigenvalues of largest absolute value; the third belongs to the normal.
+fn mean_absolute(tensor: &Symmetric) -> f64 {
     if !tensor.iter().all(|entry| entry.is_finite()) {
         return 0.0;
     }
-    let [a, b, c] = eigenvalues(&tensor.map(|entry| entry / area)).map(f64::abs);
-    // kmax and kmin are the two of largest absolute value; the third belongs to the normal.
+    let [a, b, c] = eigenvalues(tensor).map(f64::abs);
     0.5 * (a + b + c - a.min(b).min(c))
 }

@@ -98,10 +98,10 @@ impl<'a> Direction<'a> {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
         let centre = self.record(vertex);
         let Scratch { flood, inside, crossing, .. } = scratch;
-        let crossings = &mut scratch.crossings;
         let reached = flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
-            if step.from.level < step.to_level {
-                crossings.push(*step);
+            for level in step.from.level..step.to_level {
+                let level = level as usize;
+                self.push_crossing(step, level, &centre, &mut crossing[level]);
             }
         });
         for first_level in 0..self.levels {
@@ -109,23 +109,24 @@ impl<'a> Direction<'a> {
                 let record = self.record(reached.vertex as usize);
                 inside.own_distance.push(reached.distance_squared);
                 inside.other_distance.push(distance_squared(record.matched, centre.matched));
-                for level in 0..self.levels {
+                for level in first_level..self.levels {
                     let own = record.own[level] - centre.own[level];
                     inside.samples[level].push(own, record.other[level] - centre.other[level]);
                 }
             }
             inside.counts[first_level] = inside.own_distance.len();
         }
-        for step in &*crossings {
-            for level in step.from.level as usize..step.to_level as usize {
-                self.push_crossing(step, level, &centre, &mut crossing[level]);
-            }
-        }
     }
 
     /// The sample where an edge leaves the sphere of a level.
     #[inline]
-    fn push_crossing(&self, step: &Step, level: usize, centre: &Record, out: &mut Crossing) {
+    fn push_crossing(
+        &self,
+        step: &Step<'_>,
+        level: usize,
+        centre: &Record<'_>,
+        out: &mut Crossing,
+    ) {
         let t = step.clip(self.spheres.radii_squared[level]);
         let from = self.record(step.from.vertex as usize);
         let to = self.record(step.to.vertex as usize);
@@ -177,7 +178,6 @@ struct Crossing {
 /// Buffers of a thread.
 pub(super) struct Scratch {
     flood: Flood,
-    crossings: Vec<Step>,
     inside: Inside,
     /// Per level.
     crossing: Vec<Crossing>,
@@ -194,11 +194,10 @@ impl Scratch {
         };
         let crossing = vec![Crossing::default(); levels];
         let flood = Flood::new(vertex_count);
-        Self { flood, crossings: Vec::new(), inside, crossing, weights: Weights::default() }
+        Self { flood, inside, crossing, weights: Weights::default() }
     }
 
     fn clear(&mut self) {
-        self.crossings.clear();
         self.inside.own_distance.clear();
         self.inside.other_distance.clear();
         self.inside.samples.iter_mut().for_each(Samples::clear);

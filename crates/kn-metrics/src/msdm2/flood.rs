@@ -26,9 +26,8 @@ pub(super) struct Reached {
 }
 
 /// An edge that the flood uses.
-#[derive(Clone, Copy)]
-pub(super) struct Step {
-    pub(super) from: Reached,
+pub(super) struct Step<'a> {
+    pub(super) from: &'a Reached,
     pub(super) to: Neighbour,
     /// The first level at which the edge does not leave the sphere; may be the number of levels.
     pub(super) to_level: u32,
@@ -71,22 +70,26 @@ impl Flood {
         while let Some(&from) = self.reached.get(next) {
             let start = positions[from.vertex as usize];
             let direction = scale(from.offset, spheres.to_unit);
-            let blocks = topology.blocks(from.vertex as usize);
-            for to in blocks.iter().flat_map(|block| block.ahead(direction)) {
-                let end = positions[to.vertex as usize];
-                let along = sub(end, start);
-                if dot(along, from.offset) <= 0.0 && next > 0 {
-                    continue;
-                }
-                let offset = sub(end, origin);
-                let distance_squared = length_squared(offset);
-                let level = spheres.level_of(distance_squared);
-                visit(&Step { from, to, to_level: level, along });
-                let seen = &mut self.seen[to.vertex as usize];
-                if level < levels && *seen != self.round {
-                    *seen = self.round;
-                    let vertex = to.vertex;
-                    self.reached.push(Reached { vertex, level, offset, distance_squared });
+            for block in topology.blocks(from.vertex as usize) {
+                let mut lanes = block.ahead(direction);
+                while lanes != 0 {
+                    let to = block.neighbour(lanes.trailing_zeros());
+                    lanes &= lanes - 1;
+                    let end = positions[to.vertex as usize];
+                    let along = sub(end, start);
+                    if dot(along, from.offset) <= 0.0 && next > 0 {
+                        continue;
+                    }
+                    let offset = sub(end, origin);
+                    let distance_squared = length_squared(offset);
+                    let level = spheres.level_of(distance_squared);
+                    visit(&Step { from: &from, to, to_level: level, along });
+                    let seen = &mut self.seen[to.vertex as usize];
+                    if level < levels && *seen != self.round {
+                        *seen = self.round;
+                        let vertex = to.vertex;
+                        self.reached.push(Reached { vertex, level, offset, distance_squared });
+                    }
                 }
             }
             next += 1;
@@ -114,7 +117,7 @@ impl Spheres {
     }
 }
 
-impl Step {
+impl Step<'_> {
     /// Which part of the edge lies inside a sphere that it leaves: 0 < t ≤ 1.
     #[inline]
     pub(super) fn clip(&self, radius_squared: f64) -> f64 {

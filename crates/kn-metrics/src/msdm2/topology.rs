@@ -24,6 +24,7 @@ pub(super) struct Block {
     /// number where there is no neighbour, zero where the edge has no length.
     directions: [Vec4; 3],
     neighbours: [Neighbour; LANES],
+    count: u32,
 }
 
 /// Who is next to whom.
@@ -77,26 +78,32 @@ impl Topology {
         &self.blocks[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 
+    pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
+        let used = |block: &Block| block.neighbours.into_iter().take(block.count as usize);
+        self.blocks(vertex).iter().flat_map(used)
+    }
+
     pub(super) fn is_isolated(&self, vertex: usize) -> bool {
         self.blocks(vertex).is_empty()
     }
 }
 
 impl Block {
-    /// The neighbours, but few of those whose edges lead against `direction`; exact tests are left
-    /// to the caller. `direction` is a vector in units that binary32 holds.
+    /// A bit for each neighbour, but not for most of those whose edges lead against `direction`;
+    /// exact tests are left to the caller. `direction` is in units that binary32 holds.
     #[inline]
-    pub(super) fn ahead(&self, direction: Vec3) -> impl Iterator<Item = Neighbour> {
+    pub(super) fn ahead(&self, direction: Vec3) -> u32 {
         let [x, y, z] = direction.map(|x| x as f32);
         let along = self.directions[0] * x + self.directions[1] * y + self.directions[2] * z;
         // Rounding moves the product by less than half of this.
         let slack = 1e-6 * (x.abs() + y.abs() + z.abs());
-        let mut bits = along.cmpge(Vec4::splat(-slack)).bitmask();
-        std::iter::from_fn(move || {
-            let lane = bits.trailing_zeros() as usize;
-            bits &= bits.wrapping_sub(1);
-            self.neighbours.get(lane).copied()
-        })
+        along.cmpge(Vec4::splat(-slack)).bitmask()
+    }
+
+    /// The neighbour of a lane below four.
+    #[inline]
+    pub(super) fn neighbour(&self, lane: u32) -> Neighbour {
+        self.neighbours[lane as usize % LANES]
     }
 }
 
@@ -111,7 +118,11 @@ fn blocks_of(
     block_starts.push(0);
     for (vertex, range) in starts.windows(2).enumerate() {
         for some in neighbours[range[0] as usize..range[1] as usize].chunks(LANES) {
-            let mut block = Block { directions: [Vec4::NAN; 3], neighbours: [some[0]; LANES] };
+            let mut block = Block {
+                directions: [Vec4::NAN; 3],
+                neighbours: [some[0]; LANES],
+                count: some.len() as u32,
+            };
             for (lane, &neighbour) in some.iter().enumerate() {
                 let along = sub(positions[neighbour.vertex as usize], positions[vertex]);
                 let length = length(along);
