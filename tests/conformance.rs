@@ -1,8 +1,8 @@
 //! Every stream of `spec/conformance`, found in the folder: one named test each.
 //!
-//! A sound stream decodes to the recorded frames, whole and byte by byte; the decoder and the
-//! interpreter of the syntax tables see the same elements; its text assembles to its bytes. A faulty
-//! one is refused by the recorded rule.
+//! A sound stream decodes to the recorded frames, whole, byte by byte and by the literal decoder; the
+//! decoder and the interpreter of the syntax tables see the same elements; its text assembles to its
+//! bytes. A faulty one is refused by the recorded rule.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -47,6 +47,8 @@ fn check_sound(spec: &Spec, stream: &Stream, bytes: &[u8]) -> Result<(), Failed>
         }
     }
     ensure(by_decoder.len() == by_tables.len(), "one of the parsers reads more elements")?;
+    let literal = spec.reconstruct(bytes)?;
+    ensure(literal == stream.description.frames, "read literally it decodes otherwise")?;
     let text = spec.disassemble(bytes, &count_affine_by_label)?;
     let again = spec.assemble(&text, &count_affine_by_label)?;
     ensure(again == bytes, "taken apart and assembled it is another stream")?;

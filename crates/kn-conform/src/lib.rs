@@ -8,6 +8,7 @@ mod coverage;
 mod environment;
 mod huffman;
 mod interpret;
+mod oracle;
 mod parse;
 mod product;
 mod second;

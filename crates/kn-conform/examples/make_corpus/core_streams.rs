@@ -15,9 +15,14 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     let mut body = plain.clone();
     label(&mut body);
     let mut drafts = Vec::new();
-    let mut add = |name, danger, covers, meshes: &[Mesh], config| -> Result<(), Box<dyn Error>> {
+    let mut add = |name: &str,
+                   danger: &str,
+                   covers,
+                   meshes: &[Mesh],
+                   config|
+     -> Result<(), Box<dyn Error>> {
         let text = encoded(spec, meshes, config)?;
-        drafts.push(Draft { name, text, danger, rule: None, covers });
+        drafts.push(Draft { name: name.into(), text, danger: danger.into(), rule: None, covers });
         Ok(())
     };
     let config = || EncoderConfig {

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use crate::Draft;
-use crate::texts::{INDEX, Text, by_hand, intra_unit, positions_digest_of, strip};
+use crate::texts::{Text, by_hand, positions_digest_of, strip};
 
 /// A name, the rule that it breaks, the mistake that it catches, and the edits.
 type Fault = (&'static str, &'static str, &'static str, fn(Text) -> Text);
@@ -16,30 +16,20 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         &["affine_node = 0 1"],
     );
     let draft = |&(name, rule, danger, edit): &Fault| Draft {
-        name,
+        name: name.into(),
         text: edit(base.clone()).build(),
-        danger,
+        danger: danger.into(),
         rule: Some(rule),
         covers: &[],
     };
     let lists = [FRAMING, HEADER, NODES, MOTION, DEFORMATION, INDEX_FAULTS];
     let mut drafts: Vec<Draft> = lists.into_iter().flatten().map(draft).collect();
-    let unlabelled = intra_unit(&strip(8, None))?;
-    let strange = intra_unit(&strip(8, Some([0, 15])))?;
-    for (name, rule, danger, intra) in [
-        ("labels_absent", "intra.labels.present", "Labels promised, none in the mesh.", unlabelled),
-        ("label_range", "intra.labels.range", "Label 15 of 15.", strange),
-    ] {
-        let header = base.clone().without_unit(4).without_unit(3).without_unit(2).without_unit(1);
-        let text = format!("{}{intra}{INDEX}", header.build());
-        drafts.push(Draft { name, text, danger, rule: Some(rule), covers: &[] });
-    }
     let digest = positions_digest_of(&strip(8, Some([0, 7])))?;
     let digests = [&format!("positions_digest = 0x{digest:x}"), "faces_digest = 0x1"];
     drafts.push(Draft {
-        name: "faces_digest",
+        name: "faces_digest".into(),
         text: base.set("digest_present", 0, "1").after("name_present", 0, &digests).build(),
-        danger: "Decoded faces differ.",
+        danger: "Decoded faces differ.".into(),
         rule: Some("intra.digest.faces"),
         covers: &[],
     });

@@ -6,6 +6,7 @@
 
 mod core_streams;
 mod faulty;
+mod faulty_meshes;
 mod meshes;
 mod texts;
 mod uncommon;
@@ -17,10 +18,11 @@ use std::process::ExitCode;
 use kn_conform::{Description, Outcome, Spec, count_affine_by_label, run_ours};
 
 /// A stream to be: its text and what it is about.
+#[derive(Clone)]
 struct Draft {
-    name: &'static str,
+    name: String,
     text: String,
-    danger: &'static str,
+    danger: String,
     /// The rule that it breaks; none for a sound stream.
     rule: Option<&'static str>,
     covers: &'static [&'static str],
@@ -43,7 +45,7 @@ fn make() -> Result<(), Box<dyn Error>> {
     let folders = [
         ("core", core_streams::drafts(&spec)?),
         ("uncommon", uncommon::drafts()?),
-        ("faulty", faulty::drafts()?),
+        ("faulty", [faulty::drafts()?, faulty_meshes::drafts()?].concat()),
     ];
     let mut failures = Vec::new();
     for (folder, drafts) in folders {
@@ -64,7 +66,7 @@ fn make() -> Result<(), Box<dyn Error>> {
 /// Writes a stream's three files, if our decoder finds of it what the draft says.
 fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>> {
     let stream = spec.assemble(&draft.text, &count_affine_by_label)?;
-    let path = folder.join(draft.name).with_extension("knm");
+    let path = folder.join(&draft.name).with_extension("knm");
     std::fs::write(&path, &stream)?;
     std::fs::write(path.with_extension("txt"), &draft.text)?;
     let frames = match (run_ours(&path), draft.rule) {
@@ -75,7 +77,7 @@ fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>
         (outcome, _) => return Err(format!("not as expected: {outcome:?}").into()),
     };
     let description = Description {
-        danger: draft.danger.into(),
+        danger: draft.danger.clone(),
         covers: draft.covers.iter().map(|&id| id.to_owned()).collect(),
         rule: draft.rule.map(str::to_owned),
         frames,

@@ -1,7 +1,6 @@
 //! Texts of streams, by hand and by editing.
 
 use std::error::Error;
-use std::fmt::Write as _;
 
 use kn_codec::digest::positions_digest;
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
@@ -119,27 +118,24 @@ pub(crate) fn strip(columns: u32, labels: Option<[u8; 2]>) -> GridMesh {
     mesh
 }
 
-/// The lines of an I-frame unit without digests.
-pub(crate) fn intra_unit(mesh: &GridMesh) -> Result<String, Box<dyn Error>> {
+/// The coded mesh.
+pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut payload = Vec::new();
-    encode_intra(mesh, &mut payload).map_err(|error| error.to_string())?;
-    let mut text =
-        String::from("\nunit_type = 2\ndigest_present = 0\nname_present = 0\nintra_payload = x");
-    for byte in payload {
-        write!(text, "{byte:02x}")?;
-    }
-    text.push('\n');
-    Ok(text)
+    encode_intra(mesh, &mut payload)?;
+    Ok(payload)
+}
+
+/// The lines of an I-frame unit without digests.
+pub(crate) fn intra_unit(payload: &[u8]) -> String {
+    let digits: String = payload.iter().map(|byte| format!("{byte:02x}")).collect();
+    format!("\nunit_type = 2\ndigest_present = 0\nname_present = 0\nintra_payload = x{digits}\n")
 }
 
 /// The digest of a mesh's positions as they are decoded, in decoded order.
 pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64, Box<dyn Error>> {
-    let mut payload = Vec::new();
-    encode_intra(mesh, &mut payload).map_err(|error| error.to_string())?;
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();
-    decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut decoded)
-        .map_err(|error| error.to_string())?;
+    decode_intra(&payload_of(mesh)?, &limits, &mut IntraDecoder::default(), &mut decoded)?;
     Ok(positions_digest(&decoded.positions))
 }
 
@@ -201,6 +197,6 @@ pub(crate) const INDEX: &str = "\nunit_type = 5\n";
 
 /// A whole sound stream of two frames by hand: a strip of 16 vertices, head and torso.
 pub(crate) fn by_hand() -> Result<Text, Box<dyn Error>> {
-    let intra = intra_unit(&strip(8, Some([0, 7])))?;
+    let intra = intra_unit(&payload_of(&strip(8, Some([0, 7])))?);
     Ok(Text::new(&format!("{HEADER}{intra}{NODES}{MOTION}{INDEX}")))
 }

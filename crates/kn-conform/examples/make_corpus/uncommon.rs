@@ -3,12 +3,13 @@
 use std::error::Error;
 
 use crate::Draft;
-use crate::texts::{HEADER, INDEX, MOTION, Text, by_hand, intra_unit, strip};
+use crate::texts::{HEADER, INDEX, MOTION, Text, by_hand, intra_unit, payload_of, strip};
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let base = by_hand()?;
     let mut drafts = Vec::new();
-    let mut add = |name, danger, covers, text: Text| {
+    let mut add = |name: &str, danger: &str, covers, text: Text| {
+        let (name, danger) = (name.into(), danger.into());
         drafts.push(Draft { name, text: text.build(), danger, rule: None, covers });
     };
     add(
@@ -161,7 +162,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         "Groups of one frame each, and no key nodes at all.",
         &["conformance.process"],
         {
-            let intra = intra_unit(&strip(4, Some([0, 7])))?;
+            let intra = intra_unit(&payload_of(&strip(4, Some([0, 7])))?);
             Text::new(&format!("{HEADER}{intra}{intra}{intra}{INDEX}"))
         },
     );

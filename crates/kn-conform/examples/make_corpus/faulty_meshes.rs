@@ -1,0 +1,126 @@
+//! Streams whose I-frame is broken: damaged payloads, one for each rule that damage can break.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+
+use kn_codec::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra};
+use kn_mesh::{GridMesh, Mesh};
+
+use crate::Draft;
+use crate::meshes::{ellipsoid, opened, twins};
+use crate::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
+
+pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+    let unlabelled = payload_of(&strip(8, None))?;
+    let strange = payload_of(&strip(8, Some([0, 15])))?;
+    let mut drafts = vec![
+        draft("labels_absent", "intra.labels.present", "Labels promised, none there.", &unlabelled),
+        draft("label_range", "intra.labels.range", "Label 15 of 15.", &strange),
+        nodes_on_nothing()?,
+    ];
+    for (rule, payload) in damaged_payloads()? {
+        let name = rule.replace('.', "_");
+        drafts.push(draft(&name, rule, "A damaged or hostile mesh.", &payload));
+    }
+    Ok(drafts)
+}
+
+fn draft(name: &str, rule: &'static str, danger: &str, payload: &[u8]) -> Draft {
+    let text = format!("{HEADER}{}{INDEX}", intra_unit(payload));
+    Draft { name: name.into(), text, danger: danger.into(), rule: Some(rule), covers: &[] }
+}
+
+/// Key nodes for a mesh without vertices.
+fn nodes_on_nothing() -> Result<Draft, Box<dyn Error>> {
+    let nodes = "unit_type = 3\nnode_count = 1\nnode_coding = 1\naffine_mode = 0\n\
+                 node_delta_rice = 0\nnode_delta = 0 0 0\n";
+    let motion = MOTION.lines().filter(|line| !line.starts_with("scale"));
+    let motion: Vec<&str> = motion.filter(|line| !line.starts_with("rotation_enabled")).collect();
+    let enabled = "rotation_enabled = 0\nscale_enabled = 0\nshear_enabled";
+    let motion = motion.join("\n").replace("shear_enabled", enabled);
+    let motion = motion.replace("3 -1 0 5 0 -2", "0 0 0").replace("1 0 -2 0 4 1", "0 0 0");
+    let intra = intra_unit(&payload_of(&GridMesh::default())?);
+    let header = HEADER.replace("label_set = 1", "label_set = 0");
+    Ok(Draft {
+        name: "nodes_on_nothing".into(),
+        text: format!("{header}{intra}{nodes}{motion}{INDEX}"),
+        danger: "A P-frame of a mesh without vertices.".into(),
+        rule: Some("intra.vertices.nodes"),
+        covers: &[],
+    })
+}
+
+/// For every rule that some damage breaks, the first payload that breaks it.
+fn damaged_payloads() -> Result<BTreeMap<&'static str, Vec<u8>>, Box<dyn Error>> {
+    let mut found = BTreeMap::new();
+    for mesh in meshes() {
+        let sound = payload_of(&mesh)?;
+        for payload in damages(&sound) {
+            if let Some(rule) = broken_rule(&payload) {
+                found.entry(rule).or_insert(payload);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The rule by which a payload is refused at level 0.
+fn broken_rule(payload: &[u8]) -> Option<&'static str> {
+    let limits = IntraLimits { max_vertices: 1 << 16, max_faces: 1 << 17 };
+    let mut mesh = GridMesh::default();
+    match decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut mesh) {
+        Err(IntraError::Malformed { rule, .. }) => Some(rule),
+        Err(IntraError::Limit { .. }) => Some("intra.size.level"),
+        _ => None,
+    }
+}
+
+/// Every prefix, every flipped bit, and every byte replaced by a few others.
+fn damages(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+    let prefixes = (0..sound.len()).map(|length| sound[..length].to_vec());
+    let flips = (0..8 * sound.len()).map(|bit| {
+        let mut payload = sound.to_vec();
+        payload[bit / 8] ^= 0x80 >> (bit % 8);
+        payload
+    });
+    let others: [&[u8]; 5] = [&[], &[0], &[0xff], &[0x81, 0x80, 0x04], &[0xff, 0xff, 0x7f]];
+    let replaced = (0..sound.len())
+        .flat_map(move |at| others.map(|other| [&sound[..at], other, &sound[at + 1..]].concat()));
+    prefixes.chain(flips).chain(replaced)
+}
+
+/// Meshes that between them use every part of the coder: a boundary, several components, an
+/// isolated vertex, a degenerate face, an edge of three faces, a hole through.
+fn meshes() -> Vec<GridMesh> {
+    let round = on_grid(&ellipsoid(4, 6));
+    let open = on_grid(&opened(&twins(&ellipsoid(3, 5))));
+    let mut knotted = strip(6, Some([0, 7]));
+    knotted.faces.extend([[0, 1, 9], [2, 2, 5]]);
+    let mut ring = strip(9, None);
+    ring.faces.extend([[16, 0, 17], [17, 0, 1]]);
+    ring.positions.push([5, 5, 5]);
+    vec![round, open, knotted, ring, torus(6, 5)]
+}
+
+fn on_grid(mesh: &Mesh) -> GridMesh {
+    let positions = mesh.positions.iter().map(|p| p.map(|x| (x * 100.0) as i32)).collect();
+    GridMesh { positions, faces: mesh.faces.clone(), labels: vec![7; mesh.positions.len()] }
+}
+
+/// A closed surface of genus 1, square in section where it matters little.
+fn torus(around: u32, across: u32) -> GridMesh {
+    let mut mesh = GridMesh::default();
+    for i in 0..around {
+        for j in 0..across {
+            let (u, v) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(across));
+            let (u, v) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
+            let radius = 100.0 + 40.0 * libm::cos(v);
+            let point = [radius * libm::cos(u), 40.0 * libm::sin(v), radius * libm::sin(u)];
+            mesh.positions.push(point.map(|x| x as i32));
+            let at = |i: u32, j: u32| i % around * across + j % across;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            mesh.faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh
+}
