@@ -1,12 +1,12 @@
 //! The synthetic performer: a seeded human figure that walks, turns, dances and wears a loose
 //! tunic, polygonised anew in every frame. Sequences of any length without a file or a licence.
 //!
-//! A frame is made in this order: the choreography gives a stance ([`motion`], [`gestures`]), the
-//! skeleton a pose ([`skeleton`]), solids on the bones and the swinging skirt a signed field
-//! ([`figure`], [`shape`], [`cloth`], [`field`]); the field is sampled on a lattice that lies
-//! differently in every frame ([`lattice`], [`compose`]), turned into a closed mesh ([`net`]),
-//! disturbed like a scan ([`scan`]) and decimated to its vertex count ([`simplify`]). So vertex
-//! order, connectivity and, where limbs touch, genus differ in every frame. [`truth`] knows where
+//! A frame is made in this order: the choreography gives a stance (`motion`, `gestures`), the
+//! skeleton a pose (`skeleton`), solids on the bones and the swinging skirt a signed field
+//! (`figure`, `shape`, `cloth`, `field`); the field is sampled on a lattice that lies
+//! differently in every frame (`lattice`, `compose`), turned into a closed mesh (`net`),
+//! disturbed like a scan (`scan`) and decimated to its vertex count (`simplify`). So vertex
+//! order, connectivity and, where limbs touch, genus differ in every frame. `truth` knows where
 //! each point of the surface goes.
 //!
 //! Every frame is a function of configuration and index alone: frames can be made in any order,
