@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Distortion metrics for triangle meshes, and the exact closest point that they are built on.
 //!
 //! Positions are `&[[f64; 3]]` in world units, faces `&[[u32; 3]]`; nothing is read from files
