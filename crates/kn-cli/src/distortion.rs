@@ -259,8 +259,9 @@ mod tests {
 
     fn distortion(a: &Mesh, b: &Mesh) -> Distortion {
         let scale = Scale::from(a.bounding_box().expect("a box"));
-        let surfaces = [a, b].map(|mesh| Surface::new(mesh, Depth::All).expect("a surface"));
-        measure(&surfaces[0], &surfaces[1], &scale, Depth::All).expect("measured")
+        let depth = Depth::Perceptual;
+        let surfaces = [a, b].map(|mesh| Surface::new(mesh, depth).expect("a surface"));
+        measure(&surfaces[0], &surfaces[1], &scale, depth).expect("measured")
     }
 
     #[test]
@@ -272,15 +273,16 @@ mod tests {
         let relative = found.get(Metric::P2sRms).expect("measured");
         let diagonal = a.bounding_box().expect("a box").diagonal();
         assert!((relative * diagonal - rms).abs() < 1e-12);
-        assert!(Metric::ALL.into_iter().all(|metric| found.get(metric).is_some()));
+        assert!(found.get(Metric::Msdm2).is_some() && found.get(Metric::D1Psnr).is_none());
     }
 
     #[test]
     fn equal_meshes_are_at_no_distance() {
         let found = distortion(&sheet(8, 0.0), &sheet(8, 0.0));
-        assert_eq!(found.get(Metric::P2sRms), Some(0.0));
-        assert_eq!(found.get(Metric::P2sPsnr), Some(f64::INFINITY));
-        assert_eq!(found.get(Metric::Msdm2), Some(0.0));
+        // A sample inside a face is on it up to the last bits.
+        assert!(found.get(Metric::P2sRms).is_some_and(|rms| rms < 1e-15));
+        assert!(found.get(Metric::P2sPsnr).is_some_and(|psnr| psnr > 250.0));
+        assert!(found.get(Metric::Msdm2).is_some_and(|msdm2| msdm2 < 1e-6));
     }
 
     #[test]

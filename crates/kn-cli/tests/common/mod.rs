@@ -13,23 +13,23 @@ use std::sync::OnceLock;
 use tempfile::TempDir;
 
 /// Frames of [`Scans::new`].
-pub const FRAMES: usize = 5;
+pub(crate) const FRAMES: usize = 5;
 
 /// The binary with its arguments.
-pub fn command<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Command {
+pub(crate) fn command<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kn"));
     command.args(arguments);
     command
 }
 
 /// Runs the binary.
-pub fn kn<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
+pub(crate) fn kn<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
     command(arguments).output().expect("the binary starts")
 }
 
 /// Runs the binary, which must succeed; its standard output.
 #[track_caller]
-pub fn succeeds<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
+pub(crate) fn succeeds<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
     let output = kn(arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     String::from_utf8(output.stdout).expect("UTF-8")
@@ -37,7 +37,7 @@ pub fn succeeds<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Stri
 
 /// Runs the binary, which must end with exit code 2; its one line of error.
 #[track_caller]
-pub fn fails<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
+pub(crate) fn fails<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
     let output = kn(arguments);
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{message}");
@@ -47,12 +47,12 @@ pub fn fails<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String 
     line.trim_end().to_owned()
 }
 
-pub fn stderr(output: &Output) -> String {
+pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// File names in a folder, sorted; hidden ones too.
-pub fn names_in(folder: &Path) -> Vec<String> {
+pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let mut names: Vec<String> = entries
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
@@ -62,12 +62,12 @@ pub fn names_in(folder: &Path) -> Vec<String> {
 }
 
 /// A folder of scans `scan/f_08.obj` to `scan/f_12.obj`, labels beside them, and room for output.
-pub struct Scans {
+pub(crate) struct Scans {
     folder: TempDir,
 }
 
 impl Scans {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         fs::create_dir(folder.path().join("scan")).expect("made");
         let scans = Self { folder };
@@ -80,22 +80,22 @@ impl Scans {
     }
 
     /// Scan number `index`.
-    pub fn file(&self, index: usize) -> PathBuf {
+    pub(crate) fn file(&self, index: usize) -> PathBuf {
         self.path(&format!("scan/f_{:02}.obj", index + 8))
     }
 
     /// A path in the folder.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// A path in the folder as text.
-    pub fn text(&self, name: &str) -> String {
+    pub(crate) fn text(&self, name: &str) -> String {
         self.path(name).to_string_lossy().into_owned()
     }
 
     /// Arguments that encode `input` into `a.knm` with few nodes and short groups.
-    pub fn encode(&self, input: &str, more: &[&str]) -> Vec<String> {
+    pub(crate) fn encode(&self, input: &str, more: &[&str]) -> Vec<String> {
         let mut arguments =
             vec!["encode".into(), self.text(input), "-o".into(), self.text("a.knm")];
         arguments.extend(["--nodes", "24", "--gof", "3"].map(String::from));
@@ -105,14 +105,14 @@ impl Scans {
 
     /// Encodes the scans into `a.knm`.
     #[track_caller]
-    pub fn encoded(&self) -> PathBuf {
+    pub(crate) fn encoded(&self) -> PathBuf {
         succeeds(self.encode("scan/*.obj", &[]));
         self.path("a.knm")
     }
 
     /// Asserts that only the scans are there.
     #[track_caller]
-    pub fn assert_untouched(&self) {
+    pub(crate) fn assert_untouched(&self) {
         assert_eq!(names_in(self.folder.path()), ["scan"]);
         let hidden = names_in(&self.path("scan")).into_iter().any(|name| name.starts_with('.'));
         assert!(!hidden, "something was left beside the scans");
