@@ -3,7 +3,7 @@
 //! Without an argument a short sequence of the synthetic performer is encoded first.
 
 use anyhow::Result;
-use kn_codec::{Decoder, Encoder, EncoderConfig};
+use kn_codec::{Decoder, Encoder, EncoderConfig, FrameInfo};
 use kn_mesh::Mesh;
 use kn_mesh::performer::{Performer, PerformerConfig};
 use std::fs::File;
@@ -24,19 +24,25 @@ fn decode(reader: impl Read + Seek) -> Result<()> {
     // One mesh for all frames: its buffers are reused.
     let mut mesh = Mesh::default();
     while let Some(frame) = decoder.next_frame(&mut mesh)? {
-        let height = mesh.bounding_box().map_or(0.0, |bounds| bounds.max[1] - bounds.min[1]);
-        println!(
-            "frame {:2}: {:?}, {} vertices, {} faces, {} bytes, {height:.3} high",
-            frame.index, frame.kind, frame.vertices, frame.faces, frame.bytes,
-        );
+        show(&frame, &mesh);
     }
 
     // Any frame can be reached through the index; only its group of frames is decoded.
     let last = decoder.frame_count()?.saturating_sub(1);
     decoder.seek(last)?;
-    let frame = decoder.next_frame(&mut mesh)?;
-    println!("again: {frame:?}");
+    if let Some(frame) = decoder.next_frame(&mut mesh)? {
+        show(&frame, &mesh);
+    }
     Ok(())
+}
+
+/// Where a player would draw.
+fn show(frame: &FrameInfo, mesh: &Mesh) {
+    let height = mesh.bounding_box().map_or(0.0, |bounds| bounds.max[1] - bounds.min[1]);
+    println!(
+        "frame {:2}: {:?}, {} vertices, {} faces, {} bytes, {height:.3} high",
+        frame.index, frame.kind, frame.vertices, frame.faces, frame.bytes,
+    );
 }
 
 fn performer_stream() -> Result<Vec<u8>> {

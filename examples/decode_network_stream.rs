@@ -4,7 +4,7 @@
 //! its last byte is there. Without an argument a short sequence of the performer is served.
 
 use anyhow::{Result, bail};
-use kn_codec::{Encoder, EncoderConfig, Limits, Progress, StreamDecoder};
+use kn_codec::{Encoder, EncoderConfig, FrameInfo, Limits, Progress, StreamDecoder};
 use kn_mesh::Mesh;
 use kn_mesh::performer::{Performer, PerformerConfig};
 use std::io::{Read, Write};
@@ -45,10 +45,7 @@ fn receive(mut connection: TcpStream) -> Result<()> {
     let mut received = 0;
     loop {
         match decoder.poll(&mut mesh)? {
-            Progress::Frame(frame) => println!(
-                "after {received:6} bytes: frame {}, {:?}, {} vertices",
-                frame.index, frame.kind, frame.vertices
-            ),
+            Progress::Frame(frame) => show(received, &frame),
             Progress::End => return Ok(()),
             Progress::NeedBytes(_) => match connection.read(&mut buffer)? {
                 0 => bail!("the connection was closed in the middle of the stream"),
@@ -59,6 +56,12 @@ fn receive(mut connection: TcpStream) -> Result<()> {
             },
         }
     }
+}
+
+/// Where a player would draw.
+fn show(received: usize, frame: &FrameInfo) {
+    let FrameInfo { index, kind, vertices, .. } = frame;
+    println!("after {received:6} bytes: frame {index}, {kind:?}, {vertices} vertices");
 }
 
 fn performer_stream() -> Result<Vec<u8>> {

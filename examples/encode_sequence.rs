@@ -4,7 +4,7 @@
 //! to write. Without arguments the synthetic performer is encoded into memory.
 
 use anyhow::Result;
-use kn_codec::{Encoder, EncoderConfig, GridChoice};
+use kn_codec::{Encoder, EncoderConfig, FrameReport, GridChoice};
 use kn_mesh::io::{Inputs, ReadOptions};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{BoundingBox, Mesh, clean};
@@ -45,16 +45,16 @@ fn encode<W: Write>(frames: impl Iterator<Item = Result<Mesh>>, writer: W) -> Re
     for frame in frames {
         // Scans come with seams and degenerate faces; `clean` reports every change it makes.
         encoder.push(&clean(&frame?)?.mesh)?;
-        for report in encoder.drain_reports() {
-            println!("frame {:2}: {:?}, {} bytes", report.index, report.kind, report.bytes);
-        }
+        encoder.drain_reports().for_each(|report| show(&report));
     }
     let finished = encoder.finish()?;
-    for report in &finished.reports {
-        println!("frame {:2}: {:?}, {} bytes", report.index, report.kind, report.bytes);
-    }
+    finished.reports.iter().for_each(show);
     println!("{} frames, {} bytes", finished.summary.frames, finished.summary.bytes);
     Ok(finished.writer)
+}
+
+fn show(report: &FrameReport) {
+    println!("frame {:2}: {:?}, {} bytes", report.index, report.kind, report.bytes);
 }
 
 /// A person moves: a step that suits the first frame's box and a fifth more on each side.

@@ -132,8 +132,8 @@ impl DemoResult {
         let frames = self.frames.len();
         writeln!(
             out,
-            "{frames} frames: {} bytes as floats and indices, {} as .knm, {:.0} : 1; \
-             an I-frame takes {} bytes, a P-frame {}",
+            "{frames} frames: {} bytes as floats and indices, {} as .knm ({:.0} : 1)\n\
+             mean: I-frame {} bytes, P-frame {} bytes",
             grouped(self.raw_bytes),
             grouped(self.bytes),
             self.raw_bytes as f64 / self.bytes.max(1) as f64,
