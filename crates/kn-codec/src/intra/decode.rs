@@ -44,8 +44,9 @@ pub struct IntraDecoder {
 /// payload has none.
 ///
 /// Safe on untrusted input: returns an error or a mesh with indices in range, never panics, and
-/// allocates at most about 600 bytes for each face and 60 for each vertex that `limits` allow, and
-/// that only where the payload has one byte for every 2048 of them. On an error the mesh is empty.
+/// allocates at most about 1 kB for each face and 60 bytes for each vertex that the header announces;
+/// it announces no more than `limits` allow, and no more than 2048 of both together for a byte of
+/// payload. On an error the mesh is empty.
 ///
 /// # Errors
 /// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].

@@ -62,7 +62,8 @@ impl Header {
     /// Appends it to `out`.
     #[cfg(feature = "encode")]
     pub(super) fn write(&self, out: &mut Vec<u8>) {
-        let flags = u8::from(self.has_labels) * LABELS | u8::from(self.has_lattice) * LATTICE;
+        let flags =
+            if self.has_labels { LABELS } else { 0 } | if self.has_lattice { LATTICE } else { 0 };
         out.extend([flags, 0]);
         for count in [
             self.vertices,
@@ -138,4 +139,39 @@ fn write_uleb128(out: &mut Vec<u8>, mut value: u32) {
         value >>= 7;
     }
     out.push(value as u8);
+}
+
+#[cfg(all(test, feature = "encode"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_it_writes_and_names_what_is_wrong() {
+        let header = Header {
+            has_labels: true,
+            vertices: 300,
+            faces: 500,
+            components: 2,
+            connectivity_bytes: 70,
+            ..Header::default()
+        };
+        let mut bytes = Vec::new();
+        header.write(&mut bytes);
+        let length = bytes.len();
+        assert_eq!(Header::read(&bytes), Ok((header, length)));
+        assert_eq!(Header::read(&bytes[..4]), Err((rule::HEADER, 4)));
+        bytes[1] = 1;
+        assert_eq!(Header::read(&bytes), Err((rule::ATTRIBUTES, 1)));
+        bytes[..2].copy_from_slice(&[4, 0]);
+        assert_eq!(Header::read(&bytes), Err((rule::HEADER, 0)));
+        let dense = Header { vertices: 1 << 20, ..Header::default() };
+        let mut bytes = Vec::new();
+        dense.write(&mut bytes);
+        assert_eq!(Header::read(&bytes).map_err(|(rule, _)| rule), Err(rule::DENSITY));
+    }
+
+    #[test]
+    fn a_number_in_more_bytes_than_needed_is_refused() {
+        assert_eq!(Header::read(&[0, 0, 0x80, 0x00]), Err((rule::HEADER, 2)));
+    }
 }

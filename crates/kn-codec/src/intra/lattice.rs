@@ -132,3 +132,44 @@ fn occurring(positions: &[[i32; 3]], axis: usize) -> Option<Vec<i32>> {
     coordinates().for_each(|x| occurs[(x - least) as usize] = true);
     Some((least..=most).filter(|x| occurs[(x - least) as usize]).collect())
 }
+
+#[cfg(all(test, feature = "encode"))]
+mod tests {
+    use super::*;
+    use kn_bitstream::range::{RangeDecoder, RangeEncoder};
+
+    /// Points whose coordinates went through a grid of `steps` values before a grid of 4096.
+    fn points(steps: i32) -> Vec<[i32; 3]> {
+        let coarse = |i: i32, k: i32| i.wrapping_mul(k).rem_euclid(steps) * 4095 / (steps - 1);
+        (0..20_000).map(|i| [coarse(i, 7919), coarse(i, 6007), coarse(i, 3571)]).collect()
+    }
+
+    #[test]
+    fn a_coarser_grid_is_found_and_comes_back() {
+        let points = points(1771);
+        let mut lattice = Lattice::detect(&points).expect("a lattice");
+        assert_eq!(lattice.values[0].len(), 1771);
+        let mut bytes = Vec::new();
+        let mut encoder = RangeEncoder::new(&mut bytes);
+        lattice.code(&mut encoder, 20_000).expect("coded");
+        encoder.finish();
+        assert!(bytes.len() < 1000, "regular gaps cost little: {}", bytes.len());
+        let mut read = Lattice::default();
+        read.code(&mut RangeDecoder::new(&bytes), 20_000).expect("decoded");
+        assert_eq!(read, lattice);
+        for &point in &points {
+            assert_eq!(read.point(lattice.ranks(point)), Ok(point));
+        }
+        assert_eq!(read.point([0, -1, 0]), Err(rule::LATTICE));
+        assert_eq!(read.point([1771, 0, 0]), Err(rule::LATTICE));
+    }
+
+    #[test]
+    fn a_full_grid_and_values_missing_by_chance_are_none() {
+        assert_eq!(Lattice::detect(&points(4096)), None);
+        let dropped = |i: i32| i.wrapping_mul(0x9e37_79b9_u32 as i32) >> 28 == 3;
+        let few: Vec<_> =
+            points(4096).into_iter().filter(|p| p.iter().all(|&x| !dropped(x))).collect();
+        assert_eq!(Lattice::detect(&few[..3000]).map(|lattice| lattice.values[0].len()), None);
+    }
+}

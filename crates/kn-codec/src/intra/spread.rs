@@ -141,3 +141,45 @@ impl Expected {
         (mean, context.clamp(0, MAGNITUDES as i32 - 1) as usize)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithms_count_eighths_of_an_octave() {
+        assert_eq!([0, 1, 2, 3, 8, 9, 15, 16].map(log8), [0, 0, 8, 12, 24, 25, 31, 32]);
+        assert_eq!(log8(u64::MAX), 8 * 63 + 7);
+    }
+
+    #[test]
+    fn an_axis_along_the_normal_is_expected_close_once_the_others_are_known() {
+        let prediction = Prediction {
+            normal: [0, 0, 1 << 30],
+            gates: 2 * 64,
+            support: 2,
+            neighbours: 1,
+            ..Prediction::default()
+        };
+        let expected = Spread::default().expect(&prediction, 6, 0);
+        assert_eq!(expected.axes, [0, 1, 2]);
+        let [x, y, z] = [0, 1, 2].map(|place| expected.conditional(place, [640, -640, 0]));
+        assert_eq!((x, y, z.0), ((0, x.1), (0, x.1), 0));
+        assert!(z.1 + 4 < x.1, "{} against {}", z.1, x.1);
+    }
+
+    #[test]
+    fn on_a_slope_the_last_axis_follows_the_others() {
+        let normal = [-(1 << 20), 0, 1 << 20];
+        let prediction =
+            Prediction { normal, gates: 4096, support: 1, neighbours: 1, ..Prediction::default() };
+        let mut spread = Spread::default();
+        (0..500).for_each(|_| {
+            spread.observe(&spread.clone().expect(&prediction, 6, 0), [900, 900, 900]);
+        });
+        let expected = spread.expect(&prediction, 6, 0);
+        assert_eq!(expected.axes, [1, 2, 0], "of equals the lowest axis is last");
+        let (mean, _) = expected.conditional(2, [0, 0, 640]);
+        assert!((600..=640).contains(&mean), "{mean}");
+    }
+}
