@@ -27,15 +27,15 @@ impl Covered<'_> {
 /// What covers each rule.
 ///
 /// A rule that asks something of streams is covered by an example or a stream that breaks it; any
-/// other rule by a sound example of its section, or by a stream that lists it.
+/// other rule by an example of its section, or by a stream that lists it.
 pub fn coverage<'s>(spec: &'s Spec, streams: &'s [Stream]) -> Vec<Covered<'s>> {
     spec.rules.iter().map(|rule| cover(rule, spec, streams)).collect()
 }
 
 fn cover<'s>(rule: &'s Rule, spec: &'s Spec, streams: &'s [Stream]) -> Covered<'s> {
     let examples = spec.examples.iter().filter(|example| match &example.expected {
-        Expected::Reject(id) => *id == rule.id,
-        Expected::Trace(_) => example.section == rule.section && !rule.is_requirement(),
+        Expected::Reject(id) if rule.is_requirement() => *id == rule.id,
+        _ => example.section == rule.section && !rule.is_requirement(),
     });
     let streams = streams.iter().filter(|stream| {
         let description = &stream.description;

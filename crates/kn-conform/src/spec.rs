@@ -112,12 +112,13 @@ impl Spec {
                 let inside = lines.by_ref().map(|(_, line)| line).take_while(|&line| line != "```");
                 let block = inside.collect::<Vec<_>>();
                 self.add_block(kind, &block, chapter, number)?;
-                in_rule = false;
+                // A clause may go on after a formula, not after an example.
+                in_rule &= kind != "example";
             } else if let Some(id) = line.strip_prefix("r[").and_then(|id| id.strip_suffix(']')) {
                 let (id, text, chapter) = (id.to_owned(), String::new(), chapter.to_owned());
                 self.rules.push(Rule { id, text, chapter, section: self.sections });
                 in_rule = true;
-            } else if line.starts_with('#') || line.starts_with("*Note") {
+            } else if line.starts_with('#') || is_note(line) {
                 self.sections += usize::from(line.starts_with('#'));
                 in_rule = false;
             } else if let Some(rule) = self.rules.last_mut().filter(|_| in_rule) {
@@ -155,6 +156,11 @@ impl Spec {
     pub fn rule(&self, id: &str) -> Option<&Rule> {
         self.rules.iter().find(|rule| rule.id == id)
     }
+}
+
+/// Notes explain and bind nobody.
+fn is_note(line: &str) -> bool {
+    line.starts_with("*Note") || line.starts_with("> Note")
 }
 
 /// For streams whose affine nodes are not given by labels.

@@ -8,7 +8,7 @@ use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 
 use crate::Draft;
-use crate::meshes::{ellipsoid, label, moved, opened, twins};
+use crate::meshes::{ellipsoid, label, moved, opened, torus, twins};
 
 pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     let plain = ellipsoid(9, 12);
@@ -36,7 +36,14 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "one_frame",
         "A file may be one I-frame: no key nodes, no P-frame.",
-        &["intra.payload", "conformance.frame.sha256"],
+        &[
+            "intra.payload",
+            "conformance.frame.sha256",
+            "conformance.profile.main",
+            "conformance.levels",
+            "conformance.exact",
+            "conformance.contract",
+        ],
         &still(&plain),
         config(),
     )?;
@@ -49,13 +56,25 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "motion.counts",
             "motion.order",
             "deform.matrix",
+            "deform.node",
+            "deform.blend",
+            "conventions.binary64",
+            "intra.labels.order",
+            "intra.labels.vote",
+            "intra.labels.code",
         ];
         add(name, danger, covers, &short(&body), config)?;
     }
     add(
         "rigid",
         "Without affine nodes the component flags are zero, and rigid nodes still rotate.",
-        &["motion.absent", "deform.rotation", "deform.sincos", "header.labels.meaning"],
+        &[
+            "motion.absent",
+            "deform.rotation",
+            "deform.sincos",
+            "deform.weights.inverse",
+            "header.labels.meaning",
+        ],
         &short(&plain),
         EncoderConfig { affine: AffineChoice::None, ..config() },
     )?;
@@ -109,7 +128,13 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "no_fraction",
         "With fraction_bits 0 the reference is the frame that is shown.",
-        &["header.fraction.meaning", "deform.output", "motion.step.translation"],
+        &[
+            "header.fraction.meaning",
+            "deform.round",
+            "deform.output",
+            "motion.step.translation",
+            "conventions.conversion",
+        ],
         &short(&plain),
         EncoderConfig { fraction_bits: 0, ..config() },
     )?;
@@ -131,21 +156,60 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         EncoderConfig { digests: false, ..config() },
     )?;
     add(
+        "torus",
+        "A hole through the mesh: the conquest splits its loop and joins it again.",
+        INTRA,
+        &short(&torus(12, 8)),
+        config(),
+    )?;
+    add(
         "open",
         "A mesh with a boundary, and a vertex that no face uses.",
-        &["intra.payload"],
+        &["intra.connectivity.new", "intra.geometry.isolated", "intra.faces.number"],
         &short(&opened(&plain)),
         config(),
     )?;
     add(
         "two_components",
         "A mesh of two parts.",
-        &["intra.payload"],
+        &["intra.connectivity.seed", "intra.geometry.unsupported"],
         &short(&twins(&body)),
         config(),
     )?;
     Ok(drafts)
 }
+
+/// What every mesh needs of chapters 1, 4 and 5.
+const INTRA: &[&str] = &[
+    "conventions.integers",
+    "conventions.floor",
+    "range.model",
+    "range.model.probability",
+    "range.model.adapt",
+    "range.state",
+    "range.decision",
+    "range.raw",
+    "range.renormalise",
+    "range.end",
+    "range.gamma",
+    "intra.connectivity.seed",
+    "intra.connectivity.gate",
+    "intra.connectivity.add",
+    "intra.connectivity.symbol",
+    "intra.connectivity.new",
+    "intra.connectivity.valence.code",
+    "intra.faces.number",
+    "intra.geometry.order",
+    "intra.geometry.around",
+    "intra.geometry.ring",
+    "intra.geometry.blend",
+    "intra.geometry.spread",
+    "intra.geometry.frame",
+    "intra.geometry.coordinate",
+    "intra.geometry.error",
+    "intra.geometry.learn",
+    "intra.geometry.unsupported",
+];
 
 const COMBINATIONS: [(&str, &str, Combination); 8] = [
     (

@@ -20,7 +20,11 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         text: edit(base.clone()).build(),
         danger: danger.into(),
         rule: Some(rule),
-        covers: &[],
+        covers: match name {
+            "truncated_in_unit" => &["conformance.truncated"],
+            "vertex_flies_off" => &["conformance.coordinates"],
+            _ => &[],
+        },
     };
     let lists = [FRAMING, HEADER, NODES, MOTION, DEFORMATION, INDEX_FAULTS];
     let mut drafts: Vec<Draft> = lists.into_iter().flatten().map(draft).collect();

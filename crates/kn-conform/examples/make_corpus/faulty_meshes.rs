@@ -7,8 +7,8 @@ use kn_codec::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra};
 use kn_mesh::{GridMesh, Mesh};
 
 use crate::Draft;
-use crate::meshes::{ellipsoid, opened, twins};
-use crate::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
+use crate::meshes::{ellipsoid, opened, torus, twins};
+use crate::texts::{HEADER, INDEX, MOTION, intra_unit, knotted, payload_of, strip};
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let unlabelled = payload_of(&strip(8, None))?;
@@ -86,7 +86,26 @@ fn damages(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     let others: [&[u8]; 5] = [&[], &[0], &[0xff], &[0x81, 0x80, 0x04], &[0xff, 0xff, 0x7f]];
     let replaced = (0..sound.len())
         .flat_map(move |at| others.map(|other| [&sound[..at], other, &sound[at + 1..]].concat()));
-    prefixes.chain(flips).chain(replaced)
+    prefixes.chain(flips).chain(replaced).chain(scrambled(sound))
+}
+
+/// A few bytes anywhere replaced by noise, always the same noise.
+fn scrambled(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+    const TRIES: usize = 50_000;
+    let mut state = 1_u64;
+    let mut random = move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize
+    };
+    (0..TRIES).map(move |_| {
+        let mut payload = sound.to_vec();
+        let start = random() % payload.len();
+        for byte in payload.iter_mut().skip(start).take(1 + random() % 12) {
+            *byte = random() as u8;
+        }
+        payload
+    })
 }
 
 /// Meshes that between them use every part of the coder: a boundary, several components, an
@@ -94,33 +113,13 @@ fn damages(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
 fn meshes() -> Vec<GridMesh> {
     let round = on_grid(&ellipsoid(4, 6));
     let open = on_grid(&opened(&twins(&ellipsoid(3, 5))));
-    let mut knotted = strip(6, Some([0, 7]));
-    knotted.faces.extend([[0, 1, 9], [2, 2, 5]]);
     let mut ring = strip(9, None);
     ring.faces.extend([[16, 0, 17], [17, 0, 1]]);
     ring.positions.push([5, 5, 5]);
-    vec![round, open, knotted, ring, torus(6, 5)]
+    vec![round, open, knotted(), ring, on_grid(&torus(6, 5))]
 }
 
 fn on_grid(mesh: &Mesh) -> GridMesh {
     let positions = mesh.positions.iter().map(|p| p.map(|x| (x * 100.0) as i32)).collect();
     GridMesh { positions, faces: mesh.faces.clone(), labels: vec![7; mesh.positions.len()] }
-}
-
-/// A closed surface of genus 1, square in section where it matters little.
-fn torus(around: u32, across: u32) -> GridMesh {
-    let mut mesh = GridMesh::default();
-    for i in 0..around {
-        for j in 0..across {
-            let (u, v) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(across));
-            let (u, v) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
-            let radius = 100.0 + 40.0 * libm::cos(v);
-            let point = [radius * libm::cos(u), 40.0 * libm::sin(v), radius * libm::sin(u)];
-            mesh.positions.push(point.map(|x| x as i32));
-            let at = |i: u32, j: u32| i % around * across + j % across;
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            mesh.faces.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    mesh
 }

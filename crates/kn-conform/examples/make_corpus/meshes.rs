@@ -31,6 +31,24 @@ pub(crate) fn ellipsoid(rings: u32, sectors: u32) -> Mesh {
     mesh
 }
 
+/// A closed surface of genus 1.
+pub(crate) fn torus(around: u32, across: u32) -> Mesh {
+    use std::f64::consts::TAU;
+    let mut mesh = Mesh::default();
+    for i in 0..around {
+        for j in 0..across {
+            let (u, v) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(across));
+            let radius = 1.0 + 0.4 * libm::cos(TAU * v);
+            let (x, z) = (radius * libm::cos(TAU * u), radius * libm::sin(TAU * u));
+            mesh.positions.push([x, 0.4 * libm::sin(TAU * v), z].map(|x| x as f32));
+            let at = |i: u32, j: u32| i % around * across + j % across;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            mesh.faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh
+}
+
 /// Labels by height and side: head, torso, left and right thigh.
 pub(crate) fn label(mesh: &mut Mesh) {
     let label = |[x, y, _]: &[f32; 3]| match (*y, *x) {

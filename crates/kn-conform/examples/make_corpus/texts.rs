@@ -118,6 +118,15 @@ pub(crate) fn strip(columns: u32, labels: Option<[u8; 2]>) -> GridMesh {
     mesh
 }
 
+/// A strip with an edge of three faces, a face that repeats a vertex and a vertex of its own.
+pub(crate) fn knotted() -> GridMesh {
+    let mut mesh = strip(6, Some([0, 7]));
+    mesh.faces.extend([[0, 1, 9], [2, 2, 5]]);
+    mesh.positions.push([5, 5, 5]);
+    mesh.labels.push(14);
+    mesh
+}
+
 /// The coded mesh.
 pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut payload = Vec::new();

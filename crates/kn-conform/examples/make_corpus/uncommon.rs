@@ -3,7 +3,9 @@
 use std::error::Error;
 
 use crate::Draft;
-use crate::texts::{HEADER, INDEX, MOTION, Text, by_hand, intra_unit, payload_of, strip};
+use kn_mesh::GridMesh;
+
+use crate::texts::{HEADER, INDEX, MOTION, Text, by_hand, intra_unit, knotted, payload_of, strip};
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let base = by_hand()?;
@@ -176,5 +178,24 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         let before = base.clone().without_unit(3).without_unit(3).build();
         Text::new(&format!("{before}{}{INDEX}", motion.build()))
     });
+    add(
+        "knotted_mesh",
+        "An edge of three faces, a face that repeats a vertex, a vertex without faces.",
+        &[
+            "intra.join",
+            "intra.join.twins",
+            "intra.geometry.twins",
+            "intra.geometry.isolated",
+            "intra.labels.isolated",
+        ],
+        Text::new(&format!("{HEADER}{}{INDEX}", intra_unit(&payload_of(&knotted())?))),
+    );
+    add(
+        "empty_mesh",
+        "A frame may have no vertices.",
+        &["intra.payload"],
+        Text::new(&format!("{HEADER}{}{INDEX}", intra_unit(&payload_of(&GridMesh::default())?)))
+            .set("label_set", 0, "0"),
+    );
     Ok(drafts)
 }
