@@ -79,7 +79,7 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
             && level.max_nodes as usize >= config.nodes
             && level.max_group_frames >= u32::from(config.group_length)
     };
-    let level = Level::all().filter(|(number, level)| *number > 0 && fits(level)).next();
+    let level = Level::all().find(|(number, level)| *number > 0 && fits(level));
     level.map(|(number, _)| number).ok_or_else(|| {
         let (vertices, nodes) = (first.positions.len(), config.nodes);
         EncodeError::Config(format!("no level holds {vertices} vertices and {nodes} key nodes"))
