@@ -20,7 +20,7 @@ const STALL: f64 = 0.8;
 /// ... or when the surface moves by less than this share of an edge.
 const STILL: f64 = 0.05;
 /// Steps before matches are looked for on the surface.
-const COARSE_STEPS: usize = 8;
+const COARSE_STEPS: usize = 6;
 /// Steps of a continued fit.
 const CONTINUING_STEPS: usize = 3;
 /// α_reg does not fall below this while matches are coarse: they err by the distance of samples.
