@@ -37,7 +37,7 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             combination: Combination::RTSH,
-            regularisation: 0.005,
+            regularisation: 0.004,
             orthogonality: 0.001,
             tangential: 0.05,
             max_steps: 40,

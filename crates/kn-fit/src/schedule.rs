@@ -20,9 +20,11 @@ const STALL: f64 = 0.8;
 /// ... or when the surface moves by less than this share of an edge.
 const STILL: f64 = 0.05;
 /// Steps before matches are looked for on the surface.
-const COARSE_STEPS: usize = 5;
+const COARSE_STEPS: usize = 6;
 /// Steps of a continued fit.
 const CONTINUING_STEPS: usize = 3;
+/// α_reg does not fall below this while matches are coarse: they err by the distance of samples.
+const COARSE_LEAST: f64 = 0.3;
 /// Steps with every vertex.
 const FULL_STEPS: usize = 2;
 
@@ -82,7 +84,11 @@ impl Schedule {
             _ => {
                 if moved < STILL || residual > STALL * self.last_residual {
                     let relaxed = RELAXATION * self.regularisation;
-                    self.regularisation = relaxed.max(self.final_regularisation);
+                    let least = match self.stage {
+                        Stage::Coarse => COARSE_LEAST.max(self.final_regularisation),
+                        _ => self.final_regularisation,
+                    };
+                    self.regularisation = relaxed.max(least);
                 }
                 if self.steps >= COARSE_STEPS {
                     self.stage = Stage::Sampled;
