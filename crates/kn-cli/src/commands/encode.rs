@@ -89,9 +89,6 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let start = Instant::now();
     let inputs = arguments.find_inputs()?;
     let survey = Survey::new(&inputs, global)?;
-    if !survey.labelled && arguments.affine == AffineArgument::Labels {
-        global.note("no labels: every key node is rigid (see --labels and --affine)");
-    }
     let config = arguments.config(&survey);
     let mut report = Report::default();
     let summary = write_file(&arguments.output, |writer| {
@@ -102,6 +99,9 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     if let Some(path) = &arguments.report {
         let json = report.to_json(arguments.settings(), &summary, seconds);
         write_file(path, |writer| Ok(serde_json::to_writer_pretty(writer, &json)?))?;
+    }
+    if !survey.labelled && arguments.affine == AffineArgument::Labels {
+        global.note("no labels: every key node is rigid (see --labels and --affine)");
     }
     report.tell(&summary, seconds, &arguments.output.display().to_string(), global);
     Ok(Outcome::Good)
