@@ -1,4 +1,4 @@
-//! Decodes while the bytes arrive: `cargo run --release --example decode_network_stream [FILE.knm]`.
+//! Decodes bytes as they arrive: `cargo run --release --example decode_network_stream [FILE.knm]`.
 //!
 //! A thread serves the file over TCP in small pieces; the other side decodes each frame as soon as
 //! its last byte is there. Without an argument a short sequence of the performer is served.

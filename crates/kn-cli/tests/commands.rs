@@ -11,8 +11,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const COMMANDS: [&str; 8] =
-    ["encode", "decode", "info", "dump", "verify", "compare", "demo", "conform"];
+const COMMANDS: [&str; 9] =
+    ["encode", "decode", "info", "dump", "verify", "compare", "demo", "conform", "assemble"];
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
@@ -97,6 +97,26 @@ fn dump_covers_the_file() {
     let size = fs::metadata(&stream).expect("written").len();
     assert_eq!(bits.last(), Some(&(8 * size - 32)), "the last element is a CRC");
     assert!(dump.contains("translation[23][2]"), "{dump}");
+}
+
+#[test]
+fn a_stream_can_be_taken_apart_and_put_together() {
+    let spec = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../spec");
+    if !spec.exists() {
+        eprintln!("skipped: spec/ is absent");
+        return;
+    }
+    let scans = Scans::new();
+    let stream = scans.encoded();
+    let (spec, text, again) = (spec.to_string_lossy(), scans.text("a.txt"), scans.text("b.knm"));
+    let input = stream.to_string_lossy();
+    succeeds(["assemble", &*input, "--reverse", "-o", &*text, "--spec", &*spec]);
+    succeeds(["assemble", &*text, "-o", &*again, "--spec", &*spec]);
+    assert_eq!(fs::read(again).expect("written"), fs::read(&stream).expect("written"));
+    fs::write(&text, "version = 7 8 9\n").expect("written");
+    let message = fails(["assemble", &*text, "-o", &scans.text("c.knm"), "--spec", &*spec]);
+    assert!(message.contains("a.txt: "), "{message}");
+    assert!(!scans.path("c.knm").exists());
 }
 
 #[test]

@@ -34,10 +34,12 @@ pub(crate) struct DemoArguments {
     #[arg(short, long, value_name = "FOLDER", default_value = ".")]
     output: PathBuf,
     /// Number of frames
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
     /// Vertices of a frame
-    #[arg(long, value_name = "N", default_value_t = 12_000, value_parser = clap::value_parser!(u32).range(1_000..=200_000))]
+    #[arg(long, value_name = "N", default_value_t = 12_000)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1_000..=200_000))]
     vertices: u32,
     /// Decides the performer's proportions, dance and noise
     #[arg(long, value_name = "N", default_value_t = 1)]

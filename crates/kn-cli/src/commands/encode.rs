@@ -50,10 +50,12 @@ pub(crate) struct EncodeArguments {
     #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
     step: Option<f64>,
     /// Frames in a group: an I-frame, then P-frames
-    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u8).range(1..), value_name = "N")]
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..))]
     gof: u8,
     /// Key nodes in a group
-    #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u16).range(1..=4096), value_name = "N")]
+    #[arg(long, value_name = "N", default_value_t = 150)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
     nodes: u16,
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
@@ -97,6 +99,9 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     if let Some(path) = &arguments.report {
         let json = report.to_json(arguments.settings(), &summary, seconds);
         write_file(path, |writer| Ok(serde_json::to_writer_pretty(writer, &json)?))?;
+    }
+    if !survey.labelled && arguments.affine == AffineArgument::Labels {
+        global.note("no labels: every key node is rigid (see --labels and --affine)");
     }
     report.tell(&summary, seconds, &arguments.output.display().to_string(), global);
     Ok(Outcome::Good)

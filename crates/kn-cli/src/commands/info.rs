@@ -135,7 +135,8 @@ fn print_header(out: &mut impl Write, header: &SequenceHeader) -> io::Result<()>
     )?;
     writeln!(
         out,
-        "groups of up to {} frames; Q = {}, weights {weights}, influence {influence}, labels {labels}; level {}",
+        "groups of up to {} frames; Q = {}, weights {weights}, influence {influence}, \
+         labels {labels}; level {}",
         header.max_group_length, header.nodes_per_vertex, header.level,
     )
 }

@@ -1,5 +1,6 @@
 //! One file per command.
 
+mod assemble;
 mod compare;
 mod conform;
 mod decode;
@@ -23,6 +24,7 @@ pub(crate) enum Command {
     Compare(compare::CompareArguments),
     Demo(demo::DemoArguments),
     Conform(conform::ConformArguments),
+    Assemble(assemble::AssembleArguments),
 }
 
 /// Runs a command.
@@ -36,5 +38,6 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Demo(arguments) => demo::run(arguments, global),
         Command::Conform(arguments) => conform::run(arguments),
+        Command::Assemble(arguments) => assemble::run(arguments),
     }
 }

@@ -1,4 +1,4 @@
-//! The first look at all frames: are they sound, how large is their common box, what are their names.
+//! The first look at all frames: are they sound, how large is their box, what are their names.
 
 use crate::arguments::Global;
 use crate::progress;
