@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use kn_mesh::{BoundingBox, Mesh};
 use kn_metrics::{
-    Closest, DEFAULT_LEVELS, Grid, Interpolation, Msdm2Surface, PointCloud, TriangleTree, msdm2,
-    p2s, point_distortion,
+    Closest, DEFAULT_LEVELS, Distances, Grid, Interpolation, Msdm2Surface, P2s, PointCloud,
+    TriangleTree, distances_to_surface, msdm2, p2s, point_distortion, sample_surface,
 };
 use serde::{Serialize, Serializer};
 
@@ -86,6 +86,14 @@ impl Distortion {
 
     fn set(&mut self, metric: Metric, value: f64) {
         self.0[metric as usize] = Some(value);
+    }
+
+    fn set_distance(&mut self, distance: &P2s, scale: &Scale) {
+        self.set(Metric::P2sRms, distance.rms() / scale.diagonal());
+        self.set(Metric::P2sRmsWorld, distance.rms());
+        self.set(Metric::P2sPsnr, distance.psnr(scale.side()));
+        self.set(Metric::Hausdorff, distance.hausdorff() / scale.diagonal());
+        self.set(Metric::HausdorffWorld, distance.hausdorff());
     }
 
     /// The mean of each number that all have; `None` where there is nothing to take it of.
@@ -188,6 +196,27 @@ pub(crate) fn measure(
     Ok(distortion)
 }
 
+/// Measures one body part: points of its faces on each side against the whole other surface.
+/// `parts` holds a mark per face (`#F`) of either side.
+pub(crate) fn measure_part(
+    reference: &Surface,
+    other: &Surface,
+    parts: [&[bool]; 2],
+    scale: &Scale,
+) -> Result<Distortion> {
+    let distances = |from: &Surface, part: &[bool], to: &Surface| -> Result<Distances> {
+        let points = sample_surface(&from.positions, &from.faces, Some(part), SAMPLES)?;
+        Ok(distances_to_surface(&points, None, &to.tree)?)
+    };
+    let distance = P2s {
+        from_reference: distances(reference, parts[0], other)?,
+        from_other: distances(other, parts[1], reference)?,
+    };
+    let mut distortion = Distortion::default();
+    distortion.set_distance(&distance, scale);
+    Ok(distortion)
+}
+
 fn measure_distance(
     reference: &Surface,
     other: &Surface,
@@ -199,11 +228,7 @@ fn measure_distance(
         (&other.positions, &other.faces, &other.tree),
         SAMPLES,
     )?;
-    distortion.set(Metric::P2sRms, distance.rms() / scale.diagonal());
-    distortion.set(Metric::P2sRmsWorld, distance.rms());
-    distortion.set(Metric::P2sPsnr, distance.psnr(scale.side()));
-    distortion.set(Metric::Hausdorff, distance.hausdorff() / scale.diagonal());
-    distortion.set(Metric::HausdorffWorld, distance.hausdorff());
+    distortion.set_distance(&distance, scale);
     Ok(())
 }
 

@@ -29,12 +29,25 @@ pub(crate) struct Frame {
 impl Sequence {
     /// What a path means: a .knm file, a mesh, a folder or a pattern of meshes. With `clean`,
     /// meshes are welded and freed of degenerate and duplicate faces as `kn encode` does.
-    pub(crate) fn open(path: &Path, clean: bool) -> Result<Self> {
+    /// Labels are read where asked for: from files beside the meshes or a PLY property; a stream
+    /// has its own.
+    pub(crate) fn open(
+        path: &Path,
+        clean: bool,
+        labelled: bool,
+        labels: Option<&Path>,
+    ) -> Result<Self> {
         if stream::is_stream(path) {
             return Ok(Self::Stream(path.to_owned()));
         }
-        let options = ReadOptions { labels: LabelSource::None, ..ReadOptions::default() };
-        Ok(Self::Scans { inputs: Inputs::find(&[path.to_owned()], options)?, clean })
+        let source = if labelled { LabelSource::Property } else { LabelSource::None };
+        let options = ReadOptions { labels: source, ..ReadOptions::default() };
+        let inputs = Inputs::find(&[path.to_owned()], options)?;
+        let inputs = match labels {
+            Some(labels) => inputs.with_labels(labels)?,
+            None => inputs,
+        };
+        Ok(Self::Scans { inputs, clean })
     }
 
     /// Begins with the first frame.

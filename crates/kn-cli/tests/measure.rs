@@ -154,3 +154,22 @@ fn conform_runs_any_decoder() {
     let message = fails(["conform", &scans.text("scan")]);
     assert!(message.contains("no stream"), "{message}");
 }
+
+#[test]
+fn one_part_is_measured_on_its_own() {
+    let scans = Scans::new();
+    let labels = scans.text("scan/*.labels");
+    succeeds(scans.encode("scan/*.obj", &["--labels", &labels]));
+    let (pattern, stream) = (scans.text("scan/*.obj"), scans.text("a.knm"));
+    let of_part = |part: &str| {
+        let arguments = ["compare", &pattern, &stream, "--labels", &labels, "--part", part];
+        json(&[&arguments[..], &["--json", "--frames", "..1"]].concat())
+    };
+    let torso = of_part("torso");
+    assert_eq!(torso, of_part("7"));
+    assert_ne!(torso["mean"]["p2s_rms"], of_part("Left hand")["mean"]["p2s_rms"]);
+    let message = fails(["compare", &pattern, &stream, "--part", "torso"]);
+    assert!(message.contains("frame 0: the mesh has no labels"), "{message}");
+    let message = fails(["compare", &pattern, &stream, "--part", "tail"]);
+    assert!(message.contains("the parts are 0 to 14"), "{message}");
+}

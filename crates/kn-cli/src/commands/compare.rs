@@ -10,6 +10,7 @@ use crate::{Outcome, heatmap, progress, stream};
 use anyhow::{Context, Result, bail};
 use kn_mesh::BoundingBox;
 use kn_mesh::io::write_mesh_with_scalar;
+use kn_mesh::parts::PART_NAMES;
 use output::{Comparison, FrameRow};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -29,7 +30,8 @@ Examples:
   kn compare 'scan/*.obj' dance.knm
   kn compare 'scan/*.obj' dance.knm --json | jq .mean
   kn compare scan/ dance.knm --csv rows.csv --frames 0..7
-  kn compare a.ply b.ply --heatmap error.png")]
+  kn compare a.ply b.ply --heatmap error.png
+  kn compare 'scan/*.obj' dance.knm --part torso --labels 'scan/*.labels'")]
 pub(crate) struct CompareArguments {
     /// The reference
     #[arg(value_name = "REFERENCE")]
@@ -49,6 +51,13 @@ pub(crate) struct CompareArguments {
     /// Point-to-surface distances only, without MSDM2, D1 and D2
     #[arg(long)]
     fast: bool,
+    /// Measure one body part only, by its number or name such as `torso`: the points of its faces
+    /// against the whole other side; implies --fast
+    #[arg(long, value_name = "PART", value_parser = part_of_name)]
+    part: Option<u8>,
+    /// Labels of the reference's vertices, files beside its meshes, for --part
+    #[arg(long, value_name = "GLOB", requires = "part")]
+    labels: Option<PathBuf>,
     /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
     #[arg(long)]
     clean: bool,
@@ -60,12 +69,37 @@ pub(crate) struct CompareArguments {
     values: Option<PathBuf>,
 }
 
+/// A part by its number or by its name in any case.
+fn part_of_name(text: &str) -> Result<u8, String> {
+    let number = text.parse().ok().filter(|&part: &u8| usize::from(part) < PART_NAMES.len());
+    let named = PART_NAMES.iter().position(|name| name.eq_ignore_ascii_case(text));
+    number
+        .or(named.map(|part| part as u8))
+        .ok_or_else(|| format!("the parts are 0 to 14 or {}", PART_NAMES.join(", ")))
+}
+
+/// `#F` marks: the faces with all corners in the part.
+fn faces_of(frame: &Frame, part: u8) -> Result<Vec<bool>> {
+    let labels = &frame.mesh.labels;
+    if labels.is_empty() {
+        bail!("{}: frame {}: the mesh has no labels", frame.file, frame.index);
+    }
+    let inside = |face: &[u32; 3]| face.iter().all(|&vertex| labels[vertex as usize] == part);
+    let marks: Vec<bool> = frame.mesh.faces.iter().map(inside).collect();
+    if !marks.contains(&true) {
+        let name = PART_NAMES[usize::from(part)];
+        bail!("{}: frame {}: no face belongs to the part {name}", frame.file, frame.index);
+    }
+    Ok(marks)
+}
+
 /// Runs the command.
 pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outcome> {
     let streams = [&arguments.reference, &arguments.other].map(|path| stream::is_stream(path));
     let clean = arguments.clean || streams[0] != streams[1];
-    let reference = Sequence::open(&arguments.reference, clean)?;
-    let other = Sequence::open(&arguments.other, clean)?;
+    let (labelled, labels) = (arguments.part.is_some(), arguments.labels.as_deref());
+    let reference = Sequence::open(&arguments.reference, clean, labelled, labels)?;
+    let other = Sequence::open(&arguments.other, clean, labelled, None)?;
     let bounds = reference.bounds()?;
     let comparison = arguments.measure(&reference, &other, &bounds, global)?;
     arguments.print(&comparison)?;
@@ -81,7 +115,8 @@ impl CompareArguments {
         global: &Global,
     ) -> Result<Comparison> {
         let scale = Scale::from(*bounds);
-        let depth = if self.fast { Depth::Distance } else { Depth::All };
+        let fast = self.fast || self.part.is_some();
+        let depth = if fast { Depth::Distance } else { Depth::All };
         let bar = progress::bar(global, "measuring", None);
         let (mut left, mut right) = (reference.reader()?, other.reader()?);
         let mut frames = Vec::new();
@@ -96,8 +131,16 @@ impl CompareArguments {
             if frames.is_empty() {
                 self.draw((&a, &surfaces.0), (&b, &surfaces.1), bounds)?;
             }
-            let distortion = distortion::measure(&surfaces.0, &surfaces.1, &scale, depth)
-                .with_context(|| format!("{}: frame {}", b.file, b.index))?;
+            let distortion = match self.part {
+                None => distortion::measure(&surfaces.0, &surfaces.1, &scale, depth),
+                Some(part) => {
+                    let parts = [faces_of(&a, part)?, faces_of(&b, part)?];
+                    let parts = [&parts[0][..], &parts[1][..]];
+                    distortion::measure_part(&surfaces.0, &surfaces.1, parts, &scale)
+                }
+            };
+            let distortion =
+                distortion.with_context(|| format!("{}: frame {}", b.file, b.index))?;
             frames.push(FrameRow::new(&b, distortion));
             bar.step();
         }
