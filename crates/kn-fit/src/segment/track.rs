@@ -1,0 +1,232 @@
+//! The segmenter: what happens to a frame, and what is kept for the next.
+
+use super::body::{self, JOINTS, Pose};
+use super::confidence::confidence;
+use super::error::SegmentError;
+use super::fit::{Fit, Schedule};
+use super::hem::{self, Hem};
+use super::label::Draft;
+use super::memory::Memory;
+use super::surface::{Samples, Surface};
+use super::{LABELS, OTHER, TORSO, side, start};
+
+/// Settings of a [`Segmenter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SegmentOptions {
+    /// Axis of the positions that points up: 0, 1 or 2.
+    pub up_axis: usize,
+}
+
+impl Default for SegmentOptions {
+    fn default() -> Self {
+        Self { up_axis: 1 }
+    }
+}
+
+/// Labels of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segmentation {
+    /// `#V` labels in the bi-modal paper's order: 0 head, 1–3 left and 4–6 right arm (upper,
+    /// lower, hand), 7 torso, 8–10 left and 11–13 right leg (thigh, leg, foot), 14 other.
+    pub labels: Vec<u8>,
+    /// How far each label can be trusted, 0 to 1; 0 where no vertex has it.
+    pub confidence: [f32; LABELS],
+    /// What was doubtful.
+    pub warnings: Vec<SegmentWarning>,
+}
+
+/// What was doubtful in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SegmentWarning {
+    /// An arm's part could not be told from the body and joined the torso.
+    Joined {
+        /// Its label.
+        part: u8,
+    },
+    /// Nothing shows clearly which side is left.
+    SidesUnclear,
+    /// The frame does not continue the last one; the body was searched anew.
+    Lost,
+}
+
+/// Segments the frames of one sequence in their order.
+#[derive(Clone, Debug)]
+pub struct Segmenter {
+    options: SegmentOptions,
+    past: Option<Past>,
+}
+
+/// What a frame leaves to the next.
+#[derive(Clone, Debug)]
+struct Past {
+    /// Template metres per world unit, fixed by the first frame.
+    unit: f64,
+    fit: Fit,
+    /// Where the joints were a frame earlier.
+    before: Pose,
+    /// Evidence so far that left is left.
+    sides: f64,
+    /// Running mean of the fits' energies.
+    energy: f64,
+    hem: Hem,
+    memory: Memory,
+    confidence: [f32; LABELS],
+}
+
+/// Samples of a frame, and of the search without a past.
+const SAMPLES: usize = 1000;
+const COARSE_SAMPLES: usize = 400;
+/// Surface of the template in its clothes, square metres.
+const TEMPLATE_AREA: f64 = 2.1;
+
+const TRACK: Schedule = Schedule {
+    steps: 12,
+    widths: [0.15, 0.06],
+    stiffness: [0.2, 0.5],
+    sided: true,
+    girths: true,
+    draped: false,
+};
+const FIRST: Schedule = Schedule { steps: 8, sided: false, ..TRACK };
+const DRAPED: Schedule = Schedule { steps: 8, widths: [0.08, 0.06], draped: true, ..TRACK };
+
+impl Segmenter {
+    /// A segmenter that has seen nothing.
+    pub fn new(options: SegmentOptions) -> Self {
+        Self { options, past: None }
+    }
+
+    /// Segments the next frame: `positions` is `#V × 3`, `faces` `#F × 3`, welded; several
+    /// components, holes and dirt are fine.
+    ///
+    /// # Errors
+    /// A mesh without vertices, faces or area; a position that is not finite; a face index out of
+    /// range. The segmenter then still stands at the last good frame.
+    pub fn segment(
+        &mut self,
+        positions: &[[f32; 3]],
+        faces: &[[u32; 3]],
+    ) -> Result<Segmentation, SegmentError> {
+        let mut surface = Surface::new(positions, faces, self.options.up_axis)?;
+        let unit = match &self.past {
+            Some(past) => past.unit,
+            None => (TEMPLATE_AREA / surface.area()).sqrt(),
+        };
+        surface.rescale(unit);
+        let samples = surface.samples(SAMPLES);
+        let mut warnings = Vec::new();
+        let (mut fit, tracked) = pose(&surface, &samples, self.past.as_ref());
+        if self.past.is_some() && !tracked {
+            warnings.push(SegmentWarning::Lost);
+        }
+        let hem = undress(&surface, &samples, &mut fit, self.past.as_ref());
+        let mut sides = self.past.as_ref().filter(|_| tracked).map_or(0.0, |past| 0.9 * past.sides);
+        sides += side::evidence(&fit, &samples);
+        if sides < -3.0 {
+            fit.pose = body::mirrored(&fit.pose);
+            sides = -sides;
+        }
+        if sides < 1.0 {
+            warnings.push(SegmentWarning::SidesUnclear);
+        }
+        let (mut labels, capsules) = label(&surface, &fit, &hem, self.past.as_ref());
+        let mut confidence = confidence(&surface, &fit, &labels);
+        let memory = Memory::new(&surface, capsules, &labels);
+        if let Some(past) = &self.past {
+            for (now, before) in confidence.iter_mut().zip(past.confidence) {
+                *now = 0.3 * *now + 0.7 * before;
+            }
+        }
+        let kept = confidence;
+        join(&mut labels, &mut confidence, &mut warnings);
+        let before = self.past.as_ref().filter(|_| tracked).map_or(fit.pose, |past| past.fit.pose);
+        let energy = self.past.as_ref().map_or(fit.energy, |p| 0.9 * p.energy + 0.1 * fit.energy);
+        self.past = Some(Past { unit, fit, before, sides, energy, hem, memory, confidence: kept });
+        Ok(Segmentation { labels, confidence, warnings })
+    }
+}
+
+/// The body in this frame, and whether it continues the last one's.
+fn pose(surface: &Surface, samples: &Samples, past: Option<&Past>) -> (Fit, bool) {
+    /// A tracked fit this much worse than usual is checked against a search, which must be clearly
+    /// better to win: identities are worth more than a few millimetres.
+    const SUSPICIOUS: f64 = 1.3;
+    const CLEARLY: f64 = 0.85;
+    let Some(past) = past else { return (search(surface, samples, 1.0), false) };
+    let tracked = track(samples, past);
+    if tracked.energy <= SUSPICIOUS * past.energy {
+        return (tracked, true);
+    }
+    let found = search(surface, samples, past.fit.scale);
+    if found.energy < CLEARLY * tracked.energy { (found, false) } else { (tracked, true) }
+}
+
+/// The better of two fits: from where the joints were, and from where they were heading.
+fn track(samples: &Samples, past: &Past) -> Fit {
+    /// Joints overshoot where a motion ends, so they are expected a little short.
+    const MOMENTUM: f64 = 0.7;
+    let last = &past.fit;
+    let heading = std::array::from_fn::<_, JOINTS, _>(|j| {
+        last.pose[j] + (last.pose[j] - past.before[j]) * MOMENTUM
+    });
+    let ahead = Fit { pose: heading, ..last.clone() };
+    let ahead = ahead.run(samples, &TRACK, Some(&heading));
+    let still = last.clone().run(samples, &TRACK, Some(&last.pose));
+    if ahead.energy <= still.energy { ahead } else { still }
+}
+
+/// The body without a past.
+fn search(surface: &Surface, samples: &Samples, scale: f64) -> Fit {
+    let coarse = surface.samples(COARSE_SAMPLES);
+    let mut found = start::search(&coarse, scale).run(samples, &FIRST, None);
+    if side::evidence(&found, samples) < 0.0 {
+        found.pose = body::mirrored(&found.pose);
+    }
+    side::point_toes(&mut found, samples);
+    found.run(samples, &TRACK, None)
+}
+
+/// Finds the hem and, where cloth hangs, fits again to what is not cloth.
+fn undress(surface: &Surface, samples: &Samples, fit: &mut Fit, past: Option<&Past>) -> Hem {
+    let measure = |fit: &Fit| {
+        let draft = Draft::new(surface, fit);
+        let hem = hem::find(surface, fit, |v| draft.part(v) >= TORSO);
+        past.map_or(hem, |past| hem.follow(&past.hem))
+    };
+    let hem = measure(fit);
+    if !hem.hangs() {
+        return hem;
+    }
+    let bare = hem.under(fit, samples);
+    // The energy stays that of the whole surface, or frames could not be compared.
+    let energy = fit.energy;
+    *fit = fit.clone().run(&bare, &DRAPED, None);
+    fit.energy = energy;
+    measure(fit)
+}
+
+fn label(surface: &Surface, fit: &Fit, hem: &Hem, past: Option<&Past>) -> (Vec<u8>, Vec<u8>) {
+    let mut draft = Draft::new(surface, fit);
+    if hem.hangs() {
+        draft.drape(surface, fit, hem);
+    }
+    draft.hold(surface);
+    if let Some(past) = past {
+        draft.remember(&past.memory.recall(&past.fit, fit, surface));
+    }
+    draft.settle(surface)
+}
+
+/// What cannot be told from the torso joins it: lower arms and hands of low confidence.
+fn join(labels: &mut [u8], confidence: &mut [f32; LABELS], warnings: &mut Vec<SegmentWarning>) {
+    const DOUBTFUL: f32 = 0.2;
+    for part in [2u8, 3, 5, 6] {
+        let trust = &mut confidence[usize::from(part)];
+        if *trust < DOUBTFUL && labels.contains(&part) {
+            *trust = 0.0;
+            labels.iter_mut().filter(|l| **l == part).for_each(|l| *l = TORSO);
+            warnings.push(SegmentWarning::Joined { part });
+        }
+    }
+    debug_assert!(labels.iter().all(|&l| l <= OTHER));
+}
