@@ -59,13 +59,13 @@ const fn bone(part: u8, a: Anchor, b: Anchor, ra: f64, rb: f64) -> Capsule {
 }
 
 /// Number of capsules.
-pub(super) const CAPSULES: usize = 19;
+pub(super) const CAPSULES: usize = 21;
 
 /// Index of the first torso capsule; the torso's come last.
-pub(super) const FIRST_TORSO: usize = 14;
+pub(super) const FIRST_TORSO: usize = 16;
 
 /// Capsules of the left and the right thigh.
-pub(super) const THIGHS: [usize; 2] = [8, 11];
+pub(super) const THIGHS: [usize; 2] = [8, 12];
 
 pub(super) static BODY: [Capsule; CAPSULES] = [
     bone(0, &[(JAW, 1.0)], &[(CROWN, 1.0)], 0.080, 0.085),
@@ -79,9 +79,11 @@ pub(super) static BODY: [Capsule; CAPSULES] = [
     bone(8, &[(13, 1.0)], &[(14, 1.0)], 0.088, 0.062),
     bone(9, &[(14, 1.0)], &[(15, 1.0)], 0.060, 0.045),
     bone(10, &[(15, 1.0)], &[(16, 1.0)], 0.045, 0.035),
+    bone(10, &[(15, 1.0)], &[(15, 1.37), (14, -0.12), (16, -0.25)], 0.042, 0.036),
     bone(11, &[(17, 1.0)], &[(18, 1.0)], 0.088, 0.062),
     bone(12, &[(18, 1.0)], &[(19, 1.0)], 0.060, 0.045),
     bone(13, &[(19, 1.0)], &[(20, 1.0)], 0.045, 0.035),
+    bone(13, &[(19, 1.0)], &[(19, 1.37), (18, -0.12), (20, -0.25)], 0.042, 0.036),
     // Shoulder girdle, then a left and a right column in chest and pelvis.
     bone(7, &[(5, 0.75), (9, 0.25)], &[(5, 0.25), (9, 0.75)], 0.070, 0.070),
     bone(

@@ -322,10 +322,12 @@ fn coverage_points() -> usize {
 /// The capsule on the other side, itself for those in the middle.
 fn body_twin(k: usize) -> usize {
     match k {
-        2..=4 | 8..=10 => k + 3,
-        5..=7 | 11..=13 => k - 3,
-        15 | 17 => k + 1,
-        16 | 18 => k - 1,
+        2..=4 => k + 3,
+        5..=7 => k - 3,
+        8..=11 => k + 4,
+        12..=15 => k - 4,
+        17 | 19 => k + 1,
+        18 | 20 => k - 1,
         _ => k,
     }
 }

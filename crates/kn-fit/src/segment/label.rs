@@ -17,7 +17,7 @@ type Costs = [f32; LABELS];
 const SURFACE: f64 = 0.5;
 const SMOOTHING: usize = 8;
 /// How much closer another part must be before a place changes its label, metres.
-const LOYALTY: f32 = 0.012;
+const LOYALTY: f32 = 0.015;
 
 /// Vertices before they are labelled: their distances from every part.
 pub(super) struct Draft {
@@ -51,11 +51,13 @@ impl Draft {
         /// Above the hem by this much, everything is cloth; nearer, what stands off the thigh.
         const BAND: f64 = 0.03;
         const OFF: f64 = 0.035;
+        /// The turned-in edge of the cloth, which covers the gap but not the thighs.
+        const LOWER: f64 = 0.015;
         let (top, front) = (hem::top(fit), body::facing(&fit.pose));
         for v in 0..self.costs.len() {
             let own = self.part(v);
             let depth = hem.depth(surface.normals[v].dot(&front));
-            let above = depth - (top - surface.points[v].y);
+            let above = depth - (top - surface.points[v].y) - LOWER;
             if own <= TORSO || above <= -BAND {
                 continue;
             }

@@ -118,3 +118,34 @@ impl Cells {
         best.1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn shortest_turn_is_a_rotation_between_its_arguments() {
+        let (from, to) = (V3::new(0.6, 0.8, 0.0), V3::new(0.0, 0.28, 0.96));
+        let turn = shortest_turn(&from, &to);
+        assert!((turn * from - to).norm() < 1e-12);
+        assert!((turn * turn.transpose() - Matrix3::identity()).norm() < 1e-12);
+        assert!((turn.determinant() - 1.0).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn cells_find_what_a_full_search_finds(
+            points in prop::collection::vec(prop::array::uniform3(-0.05f64..0.05), 1..60),
+            at in prop::array::uniform3(-0.06f64..0.06),
+        ) {
+            let points: Vec<V3> = points.into_iter().map(V3::from).collect();
+            let at = V3::from(at);
+            let far = |i: &usize| (points[*i] - at).norm_squared();
+            let all = (0..points.len()).filter(|i| far(i) < REACH * REACH);
+            let expected = all.min_by(|a, b| far(a).total_cmp(&far(b)));
+            let found = Cells::new(&points).nearest(&points, &at);
+            prop_assert_eq!(found.map(|i| far(&i)), expected.map(|i| far(&i)));
+        }
+    }
+}

@@ -23,6 +23,8 @@ mod side;
 mod solve;
 mod start;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod track;
 
 pub use check::{LabelWarning, check_labels};

@@ -25,7 +25,11 @@ pub(super) enum Object {
 pub(super) fn find(surface: &Surface, draft: &Draft, capsules: &[Posed]) -> Option<Object> {
     let far = |&v: &usize| {
         let capsule = &capsules[draft.capsule(v)];
-        HOLDING.contains(&draft.part(v)) && capsule.outside(&surface.points[v]) > BEYOND
+        let (_, away) = capsule.project(&surface.points[v]);
+        // A flank that a hand hangs beside faces the hand; an object in it faces away.
+        HOLDING.contains(&draft.part(v))
+            && capsule.outside(&surface.points[v]) > BEYOND
+            && surface.normals[v].dot(&away) > 0.5 * away.norm()
     };
     let seeds: Vec<usize> = (0..surface.points.len()).filter(far).collect();
     let area: f64 = seeds.iter().map(|&v| surface.areas[v]).sum();
@@ -60,8 +64,9 @@ impl Object {
     pub(super) fn cost(&self, point: &V3, outside: f64, holding: bool) -> Option<f64> {
         match self {
             Self::Ball(centre, radius) => {
+                // Steeper than a part's distance, or the hand on the ball would drown in it.
                 let off = ((point - centre).norm() - radius).abs();
-                (off < 0.03).then_some(off)
+                (off < 0.03).then_some(1.5 * off)
             }
             Self::Shapeless => holding.then_some((0.8 * BEYOND - outside).max(0.0)),
         }

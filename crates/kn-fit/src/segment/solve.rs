@@ -62,7 +62,8 @@ impl System {
                 x[j] -= matrix[i * UNKNOWNS + j] * x[i];
             }
         }
-        Some(std::array::from_fn(|j| V3::new(x[3 * j], x[3 * j + 1], x[3 * j + 2])))
+        let finite = x.iter().all(|v| v.is_finite());
+        finite.then(|| std::array::from_fn(|j| V3::new(x[3 * j], x[3 * j + 1], x[3 * j + 2])))
     }
 
     /// Cholesky in place.
@@ -87,5 +88,29 @@ impl System {
             }
         }
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_to_where_the_residuals_vanish() {
+        // Joint 0 wants to move by (1, 2, 3), joint 1 to keep up with it.
+        let mut system = System::new(1e-9);
+        let goal = V3::new(1.0, 2.0, 3.0);
+        system.add(&[(0, 1.0)], &-goal, &Matrix3::identity());
+        system.add(&[(0, 1.0), (1, -1.0)], &V3::zeros(), &Matrix3::identity());
+        let step = system.solve().unwrap();
+        assert!((step[0] - goal).norm() < 1e-6 && (step[1] - goal).norm() < 1e-6);
+        assert!(step[2].norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_singular_system_has_no_step() {
+        let mut system = System::new(0.0);
+        system.add(&[(0, 1.0)], &V3::x(), &Matrix3::identity());
+        assert!(system.solve().is_none());
     }
 }

@@ -85,11 +85,13 @@ pub(super) fn search(samples: &Samples, scale: f64) -> Fit {
             keep_better(&mut best, start.run(samples, &COARSE, None));
         }
     }
-    let mut best = best.unwrap_or_else(|| Fit::new(standing(samples, 0.0, 0, scale), scale));
-    for side in 0..2 {
-        best = try_arms(samples, best, side);
-    }
-    best
+    let best = best.unwrap_or_else(|| Fit::new(standing(samples, 0.0, 0, scale), scale));
+    raise_arms(samples, best, &[1.0, -1.0])
+}
+
+/// Tries all attitudes of each arm, as if the body faced forwards (1) and backwards (−1).
+pub(super) fn raise_arms(samples: &Samples, fit: Fit, ways: &[f64]) -> Fit {
+    (0..2).fold(fit, |best, side| raise_arm(samples, best, side, ways))
 }
 
 fn keep_better(best: &mut Option<Fit>, candidate: Fit) {
@@ -98,14 +100,13 @@ fn keep_better(best: &mut Option<Fit>, candidate: Fit) {
     }
 }
 
-/// Replaces one arm by every attitude, both as if the body faced forwards and backwards.
-fn try_arms(samples: &Samples, fit: Fit, side: usize) -> Fit {
+fn raise_arm(samples: &Samples, fit: Fit, side: usize, ways: &[f64]) -> Fit {
     let left = body::leftwards(&fit.pose);
     let front = body::facing(&fit.pose);
     let up = front.cross(&left);
     let mut best = Some(fit.clone());
     for arm in 0..ARMS.len() {
-        for way in [1.0, -1.0] {
+        for &way in ways {
             let mut start = fit.clone();
             with_arm(&mut start.pose, side, arm, &[left, up, front * way], fit.scale);
             keep_better(&mut best, start.run(samples, &ARM, None));

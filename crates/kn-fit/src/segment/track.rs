@@ -108,57 +108,87 @@ impl Segmenter {
         faces: &[[u32; 3]],
     ) -> Result<Segmentation, SegmentError> {
         let mut surface = Surface::new(positions, faces, self.options.up_axis)?;
-        let unit = match &self.past {
-            Some(past) => past.unit,
-            None => (TEMPLATE_AREA / surface.area()).sqrt(),
-        };
+        let past = self.past.as_ref();
+        let unit = past.map_or_else(|| (TEMPLATE_AREA / surface.area()).sqrt(), |past| past.unit);
         surface.rescale(unit);
         let samples = surface.samples(SAMPLES);
-        let mut warnings = Vec::new();
-        let (mut fit, tracked) = pose(&surface, &samples, self.past.as_ref());
-        if self.past.is_some() && !tracked {
-            warnings.push(SegmentWarning::Lost);
-        }
-        let hem = undress(&surface, &samples, &mut fit, self.past.as_ref());
-        let mut sides = self.past.as_ref().filter(|_| tracked).map_or(0.0, |past| 0.9 * past.sides);
-        sides += side::evidence(&fit, &samples);
-        if sides < -3.0 {
-            fit.pose = body::mirrored(&fit.pose);
-            sides = -sides;
-        }
-        if sides < 1.0 {
-            warnings.push(SegmentWarning::SidesUnclear);
-        }
-        let (mut labels, capsules) = label(&surface, &fit, &hem, self.past.as_ref());
-        let mut confidence = confidence(&surface, &fit, &labels);
+
+        let (mut fit, tracked) = pose(&surface, &samples, past);
+        let hem = undress(&surface, &samples, &mut fit, past);
+        let continued = past.filter(|_| tracked);
+        let sides = decide_sides(&mut fit, &samples, continued);
+        let (mut labels, capsules) = label(&surface, &fit, &hem, past);
+
+        let trust = steady(confidence(&surface, &fit, &hem, &labels), past);
         let memory = Memory::new(&surface, capsules, &labels);
-        if let Some(past) = &self.past {
-            for (now, before) in confidence.iter_mut().zip(past.confidence) {
-                *now = 0.3 * *now + 0.7 * before;
-            }
-        }
-        let kept = confidence;
+        let before = continued.map_or(fit.pose, |past| past.fit.pose);
+        let energy = past.map_or(fit.energy, |past| 0.9 * past.energy + 0.1 * fit.energy);
+        let mut warnings = doubts(past.is_some() && !tracked, sides);
+        self.past = Some(Past { unit, fit, before, sides, energy, hem, memory, confidence: trust });
+
+        let mut confidence = trust;
         join(&mut labels, &mut confidence, &mut warnings);
-        let before = self.past.as_ref().filter(|_| tracked).map_or(fit.pose, |past| past.fit.pose);
-        let energy = self.past.as_ref().map_or(fit.energy, |p| 0.9 * p.energy + 0.1 * fit.energy);
-        self.past = Some(Past { unit, fit, before, sides, energy, hem, memory, confidence: kept });
         Ok(Segmentation { labels, confidence, warnings })
     }
 }
 
+/// Exchanges left and right where the evidence of this and earlier frames is against them; returns
+/// the evidence for what is kept.
+fn decide_sides(fit: &mut Fit, samples: &Samples, past: Option<&Past>) -> f64 {
+    /// Evidence of about one clear frame; less does not overturn what was said before.
+    const AGAINST: f64 = -3.0;
+    /// What a frame's evidence is still worth in the next.
+    const FADING: f64 = 0.9;
+    let sides = past.map_or(0.0, |past| FADING * past.sides) + side::evidence(fit, samples);
+    if sides < AGAINST {
+        fit.pose = body::mirrored(&fit.pose);
+    }
+    if sides < AGAINST { -sides } else { sides }
+}
+
+/// Confidence moves slowly, so that a part does not join and leave the torso by turns.
+fn steady(now: [f32; LABELS], past: Option<&Past>) -> [f32; LABELS] {
+    const SHARE: f32 = 0.3;
+    let Some(past) = past else { return now };
+    std::array::from_fn(|part| SHARE * now[part] + (1.0 - SHARE) * past.confidence[part])
+}
+
+fn doubts(lost: bool, sides: f64) -> Vec<SegmentWarning> {
+    /// Two thirds of what one clear foot shows.
+    const CLEAR: f64 = 1.0;
+    let lost = lost.then_some(SegmentWarning::Lost);
+    let unclear = (sides < CLEAR).then_some(SegmentWarning::SidesUnclear);
+    lost.into_iter().chain(unclear).collect()
+}
+
 /// The body in this frame, and whether it continues the last one's.
 fn pose(surface: &Surface, samples: &Samples, past: Option<&Past>) -> (Fit, bool) {
-    /// A tracked fit this much worse than usual is checked against a search, which must be clearly
-    /// better to win: identities are worth more than a few millimetres.
+    /// A tracked fit this much worse than usual gets its arms, or the whole body, checked against
+    /// a search, which must be clearly better to win: identities are worth more than millimetres.
+    const UNUSUAL: f64 = 1.1;
     const SUSPICIOUS: f64 = 1.3;
     const CLEARLY: f64 = 0.85;
+    const BETTER: f64 = 0.95;
     let Some(past) = past else { return (search(surface, samples, 1.0), false) };
     let tracked = track(samples, past);
-    if tracked.energy <= SUSPICIOUS * past.energy {
+    if tracked.energy <= UNUSUAL * past.energy {
         return (tracked, true);
+    }
+    if tracked.energy <= SUSPICIOUS * past.energy {
+        let other = rearm(surface, samples, &tracked);
+        let better = other.energy < BETTER * tracked.energy;
+        return (if better { other } else { tracked }, true);
     }
     let found = search(surface, samples, past.fit.scale);
     if found.energy < CLEARLY * tracked.energy { (found, false) } else { (tracked, true) }
+}
+
+/// The same body with its arms searched anew.
+fn rearm(surface: &Surface, samples: &Samples, fit: &Fit) -> Fit {
+    let coarse = surface.samples(COARSE_SAMPLES);
+    // Energies of coarse samples are compared with each other, never with those of fine ones.
+    let start = fit.clone().run(&coarse, &Schedule { steps: 0, ..TRACK }, None);
+    start::raise_arms(&coarse, start, &[1.0]).run(samples, &Schedule { steps: 6, ..TRACK }, None)
 }
 
 /// The better of two fits: from where the joints were, and from where they were heading.
