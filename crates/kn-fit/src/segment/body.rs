@@ -194,3 +194,12 @@ pub(super) fn mirrored(pose: &Pose) -> Pose {
     }
     other
 }
+
+/// The same body with each hip on the other's leg.
+pub(super) fn crossed(pose: &Pose) -> Pose {
+    let mut other = *pose;
+    for i in 1..4 {
+        other.swap(HIP[0] + i, HIP[1] + i);
+    }
+    other
+}

@@ -2,7 +2,9 @@
 //! on the joints, with closest capsules re-assigned in every step.
 
 use super::V3;
-use super::body::{self, Anchor, BODY, CAPSULES, HIP, JOINTS, Pose, SPRINGS, place, rest_lengths};
+use super::body::{
+    self, Anchor, BODY, CAPSULES, HIP, JOINTS, Pose, SHOULDER, SPRINGS, place, rest_lengths,
+};
 use super::solve::System;
 use super::surface::Samples;
 use nalgebra::Matrix3;
@@ -253,7 +255,19 @@ impl Fit {
         }
         let scan = scan / samples.points.len().max(1) as f64;
         let model = COVERAGE * model / coverage_points() as f64;
-        scan + model + if sided { self.contortion() } else { 0.0 }
+        scan + model + self.twist() + if sided { self.contortion() } else { 0.0 }
+    }
+
+    /// What it costs when hips face away from the shoulders, or the knees are crossed.
+    fn twist(&self) -> f64 {
+        let across = |a: usize, b: usize| (self.pose[a] - self.pose[b]).try_normalize(1e-9);
+        let high = across(SHOULDER[0], SHOULDER[1]);
+        let middle = across(HIP[0], HIP[1]);
+        let low = across(HIP[0] + 1, HIP[1] + 1);
+        let (Some(high), Some(middle), Some(low)) = (high, middle, low) else { return 0.0 };
+        let trunk = (0.5 - high.dot(&middle)).max(0.0);
+        let legs = (-0.2 - low.dot(&middle)).max(0.0);
+        0.01 * trunk * trunk + 0.001 * legs * legs
     }
 
     fn contortion(&self) -> f64 {

@@ -66,7 +66,7 @@ const COARSE: Schedule = Schedule {
     girths: false,
     draped: false,
 };
-const ARM: Schedule = Schedule {
+const LIMBS: Schedule = Schedule {
     steps: 7,
     widths: [0.25, 0.1],
     stiffness: [0.1, 0.2],
@@ -84,6 +84,10 @@ pub(super) fn search(samples: &Samples, scale: f64) -> Fit {
             let start = Fit::new(standing(samples, yaw, arm, scale), scale);
             keep_better(&mut best, start.run(samples, &COARSE, None));
         }
+    }
+    // Strides far apart can be taken by the wrong legs.
+    if let Some(pose) = best.as_ref().map(|found| body::crossed(&found.pose)) {
+        keep_better(&mut best, Fit::new(pose, scale).run(samples, &LIMBS, None));
     }
     let best = best.unwrap_or_else(|| Fit::new(standing(samples, 0.0, 0, scale), scale));
     raise_arms(samples, best, &[1.0, -1.0])
@@ -109,7 +113,7 @@ fn raise_arm(samples: &Samples, fit: Fit, side: usize, ways: &[f64]) -> Fit {
         for &way in ways {
             let mut start = fit.clone();
             with_arm(&mut start.pose, side, arm, &[left, up, front * way], fit.scale);
-            keep_better(&mut best, start.run(samples, &ARM, None));
+            keep_better(&mut best, start.run(samples, &LIMBS, None));
         }
     }
     best.unwrap_or(fit)

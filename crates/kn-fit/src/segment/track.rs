@@ -71,6 +71,19 @@ struct Past {
     hem: Hem,
     memory: Memory,
     confidence: [f32; LABELS],
+    /// Frames since the body was last searched.
+    since: u32,
+}
+
+impl Past {
+    /// Whether a leg is so badly explained that tracking has probably gone wrong.
+    fn doubtful(&self) -> bool {
+        /// So many frames between searches bound their cost.
+        const PATIENCE: u32 = 8;
+        const DOUBTFUL: f32 = 0.3;
+        let legs = [9, 10, 12, 13].map(|part| self.confidence[part]);
+        self.since >= PATIENCE && legs.iter().any(|&trust| trust < DOUBTFUL)
+    }
 }
 
 /// Samples of a frame, and of the search without a past.
@@ -113,9 +126,9 @@ impl Segmenter {
         surface.rescale(unit);
         let samples = surface.samples(SAMPLES);
 
-        let (mut fit, tracked) = pose(&surface, &samples, past);
+        let (mut fit, way) = pose(&surface, &samples, past);
         let hem = undress(&surface, &samples, &mut fit, past);
-        let continued = past.filter(|_| tracked);
+        let continued = past.filter(|_| way != Way::Found);
         let sides = decide_sides(&mut fit, &samples, continued);
         let (mut labels, capsules) = label(&surface, &fit, &hem, past);
 
@@ -123,8 +136,14 @@ impl Segmenter {
         let memory = Memory::new(&surface, capsules, &labels);
         let before = continued.map_or(fit.pose, |past| past.fit.pose);
         let energy = past.map_or(fit.energy, |past| 0.9 * past.energy + 0.1 * fit.energy);
-        let mut warnings = doubts(past.is_some() && !tracked, sides);
-        self.past = Some(Past { unit, fit, before, sides, energy, hem, memory, confidence: trust });
+        let mut warnings = doubts(past.is_some() && way == Way::Found, sides);
+        let since = if way == Way::Tracked {
+            past.map_or(0, |past| past.since).saturating_add(1)
+        } else {
+            0
+        };
+        let confidence = trust;
+        self.past = Some(Past { unit, fit, before, sides, energy, hem, memory, confidence, since });
 
         let mut confidence = trust;
         join(&mut labels, &mut confidence, &mut warnings);
@@ -161,26 +180,39 @@ fn doubts(lost: bool, sides: f64) -> Vec<SegmentWarning> {
     lost.into_iter().chain(unclear).collect()
 }
 
-/// The body in this frame, and whether it continues the last one's.
-fn pose(surface: &Surface, samples: &Samples, past: Option<&Past>) -> (Fit, bool) {
+/// How a frame's body came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// It continues the last frame's.
+    Tracked,
+    /// It does, and a search found nothing better.
+    Checked,
+    /// It was searched.
+    Found,
+}
+
+/// The body in this frame.
+fn pose(surface: &Surface, samples: &Samples, past: Option<&Past>) -> (Fit, Way) {
     /// A tracked fit this much worse than usual gets its arms, or the whole body, checked against
     /// a search, which must be clearly better to win: identities are worth more than millimetres.
     const UNUSUAL: f64 = 1.1;
-    const SUSPICIOUS: f64 = 1.3;
+    const SUSPICIOUS: f64 = 1.6;
     const CLEARLY: f64 = 0.85;
     const BETTER: f64 = 0.95;
-    let Some(past) = past else { return (search(surface, samples, 1.0), false) };
+    let Some(past) = past else { return (search(surface, samples, None), Way::Found) };
     let tracked = track(samples, past);
-    if tracked.energy <= UNUSUAL * past.energy {
-        return (tracked, true);
+    let worse = tracked.energy / past.energy.max(1e-12);
+    if worse > SUSPICIOUS || past.doubtful() {
+        let found = search(surface, samples, Some(&past.fit));
+        let better = found.energy < CLEARLY * tracked.energy;
+        return if better { (found, Way::Found) } else { (tracked, Way::Checked) };
     }
-    if tracked.energy <= SUSPICIOUS * past.energy {
+    if worse > UNUSUAL {
         let other = rearm(surface, samples, &tracked);
         let better = other.energy < BETTER * tracked.energy;
-        return (if better { other } else { tracked }, true);
+        return (if better { other } else { tracked }, Way::Tracked);
     }
-    let found = search(surface, samples, past.fit.scale);
-    if found.energy < CLEARLY * tracked.energy { (found, false) } else { (tracked, true) }
+    (tracked, Way::Tracked)
 }
 
 /// The same body with its arms searched anew.
@@ -205,11 +237,16 @@ fn track(samples: &Samples, past: &Past) -> Fit {
     if ahead.energy <= still.energy { ahead } else { still }
 }
 
-/// The body without a past.
-fn search(surface: &Surface, samples: &Samples, scale: f64) -> Fit {
+/// The body wherever it is; it faces where the last frame's did unless its feet say otherwise.
+fn search(surface: &Surface, samples: &Samples, last: Option<&Fit>) -> Fit {
+    /// Evidence of facing as before.
+    const HABIT: f64 = 2.5;
     let coarse = surface.samples(COARSE_SAMPLES);
+    let scale = last.map_or(1.0, |last| last.scale);
     let mut found = start::search(&coarse, scale).run(samples, &FIRST, None);
-    if side::evidence(&found, samples) < 0.0 {
+    let front = body::facing(&found.pose);
+    let habit = last.map_or(0.0, |last| HABIT * front.dot(&body::facing(&last.pose)));
+    if side::evidence(&found, samples) + habit < 0.0 {
         found.pose = body::mirrored(&found.pose);
     }
     side::point_toes(&mut found, samples);
