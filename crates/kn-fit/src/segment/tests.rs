@@ -44,27 +44,27 @@ fn over_frames(config: PerformerConfig, frames: u32, stride: u32) -> (f64, f64) 
 
 #[test]
 fn finds_the_parts_of_a_dancer_in_a_tunic() {
-    let config = PerformerConfig { vertices: 5_000, ..PerformerConfig::default() };
-    let (mean, worst) = over_frames(config, 6, 3);
+    let config = PerformerConfig { vertices: 3_000, ..PerformerConfig::default() };
+    let (mean, worst) = over_frames(config, 4, 4);
     assert!(mean > 0.92 && worst > 0.88, "{mean} {worst}");
 }
 
 #[test]
 fn finds_the_parts_in_unrelated_poses() {
     let config = PerformerConfig {
-        vertices: 5_000,
+        vertices: 4_000,
         action: Action::Poses,
         tunic: false,
         ..PerformerConfig::default()
     };
-    let (mean, worst) = over_frames(config, 6, 1);
+    let (mean, worst) = over_frames(config, 4, 1);
     assert!(mean > 0.92 && worst > 0.88, "{mean} {worst}");
 }
 
 #[test]
 fn a_held_ball_is_no_hand() {
     let config =
-        PerformerConfig { vertices: 5_000, ball: true, seed: 4, ..PerformerConfig::default() };
+        PerformerConfig { vertices: 4_000, ball: true, seed: 4, ..PerformerConfig::default() };
     let mesh = performer(config).frame(0);
     let labels = fresh(&mesh).labels;
     let ball: Vec<usize> = (0..labels.len()).filter(|&v| mesh.labels[v] == OTHER).collect();
@@ -95,7 +95,7 @@ fn finds_the_parts_of_the_simulated_capture() {
 #[test]
 fn left_stays_left_when_the_figure_turns_around() {
     let mesh =
-        performer(PerformerConfig { vertices: 4_000, ..PerformerConfig::default() }).frame(0);
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
     let mut turned = mesh.clone();
     turned.positions.iter_mut().for_each(|p| *p = [-p[0], p[1], -p[2]]);
     for mesh in [mesh, turned] {
@@ -107,7 +107,7 @@ fn left_stays_left_when_the_figure_turns_around() {
 #[test]
 fn any_axis_can_point_up() {
     let mesh =
-        performer(PerformerConfig { vertices: 4_000, ..PerformerConfig::default() }).frame(0);
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
     let labels = fresh(&mesh).labels;
     for up_axis in [0, 2] {
         let turn = |p: &[f32; 3]| {
@@ -124,7 +124,7 @@ fn any_axis_can_point_up() {
 #[test]
 fn millimetres_are_as_good_as_metres() {
     let mesh =
-        performer(PerformerConfig { vertices: 4_000, ..PerformerConfig::default() }).frame(0);
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
     let mut large = mesh.clone();
     large.positions.iter_mut().for_each(|p| *p = p.map(|x| 1000.0 * x));
     assert!(accuracy(&large, &fresh(&large).labels) > 0.9);
@@ -159,7 +159,7 @@ fn a_bad_frame_leaves_the_past_as_it_was() {
 #[test]
 fn true_labels_pass_the_check_and_mixed_up_ones_do_not() {
     let config = PerformerConfig {
-        vertices: 6_000,
+        vertices: 4_000,
         action: Action::Stand,
         tunic: false,
         ..PerformerConfig::default()
