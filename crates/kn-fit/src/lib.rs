@@ -27,6 +27,7 @@ mod register;
 mod report;
 mod sample;
 mod schedule;
+pub mod segment;
 mod source;
 mod surface;
 mod target;

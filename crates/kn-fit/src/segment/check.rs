@@ -1,0 +1,138 @@
+//! Whether labels from elsewhere fit the mesh that they came with.
+
+use super::error::SegmentError;
+use super::pieces::{Piece, pieces};
+use super::surface::Surface;
+use super::{LABELS, OTHER, V3};
+
+/// What is odd about given labels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LabelWarning {
+    /// A part lies in two pieces that are far from each other.
+    Split {
+        /// Its label.
+        part: u8,
+        /// Gap between the two largest pieces, as a share of the mesh's height.
+        gap: f64,
+    },
+    /// A part is attached to the other side's limb.
+    WrongSide {
+        /// Its label.
+        part: u8,
+    },
+    /// Feet point backwards: left and right are exchanged everywhere.
+    SidesSwapped,
+    /// A label beyond the known ones.
+    Unknown {
+        /// The label.
+        label: u8,
+    },
+}
+
+/// Parts and the part of the same side that each grows from.
+const GROWS_FROM: [(u8, u8); 8] =
+    [(2, 1), (3, 2), (5, 4), (6, 5), (9, 8), (10, 9), (12, 11), (13, 12)];
+
+/// Checks `labels` (`#V`) against the mesh (`positions` `#V × 3`, `faces` `#F × 3`).
+///
+/// # Errors
+/// As [`super::Segmenter::segment`], and a number of labels that is not the number of vertices.
+pub fn check_labels(
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    labels: &[u8],
+    up_axis: usize,
+) -> Result<Vec<LabelWarning>, SegmentError> {
+    if labels.len() != positions.len() {
+        return Err(SegmentError::LabelCount { labels: labels.len(), vertices: positions.len() });
+    }
+    let mut warnings = Vec::new();
+    if let Some(&label) = labels.iter().find(|l| **l > OTHER) {
+        warnings.push(LabelWarning::Unknown { label });
+        return Ok(warnings);
+    }
+    let surface = Surface::new(positions, faces, up_axis)?;
+    split_parts(&surface, labels, &mut warnings);
+    wrong_sides(&surface, labels, &mut warnings);
+    if swapped(&surface, labels) {
+        warnings.push(LabelWarning::SidesSwapped);
+    }
+    Ok(warnings)
+}
+
+/// Warns of parts whose second piece is not small and not near.
+fn split_parts(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning>) {
+    /// Smallest area of a piece that counts, as a share of its part's largest.
+    const LARGE: f64 = 0.1;
+    /// Largest gap inside a part, as a share of the height.
+    const FAR: f64 = 0.03;
+    let height = surface.height();
+    let mut pieces = pieces(surface, labels);
+    pieces.sort_by(|a, b| b.area.total_cmp(&a.area));
+    for part in 0..OTHER {
+        let mut own = pieces.iter().filter(|piece| piece.label == part);
+        let (Some(first), Some(second)) = (own.next(), own.next()) else { continue };
+        let gap = gap(surface, first, second) / height;
+        if second.area > LARGE * first.area && gap > FAR {
+            warnings.push(LabelWarning::Split { part, gap });
+        }
+    }
+}
+
+/// Distance between two pieces, from a bounded number of vertices of each.
+fn gap(surface: &Surface, a: &Piece, b: &Piece) -> f64 {
+    const MOST: usize = 400;
+    let some = |piece: &Piece| -> Vec<V3> {
+        let step = piece.vertices.len().div_ceil(MOST);
+        piece.vertices.iter().step_by(step).map(|&v| surface.points[v as usize]).collect()
+    };
+    let (a, b) = (some(a), some(b));
+    let squared = a.iter().flat_map(|p| b.iter().map(move |q| (p - q).norm_squared()));
+    squared.fold(f64::MAX, f64::min).sqrt()
+}
+
+fn wrong_sides(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning>) {
+    let mut touching = [[0usize; LABELS]; LABELS];
+    for v in 0..labels.len() {
+        for &u in surface.around(v) {
+            touching[usize::from(labels[v])][usize::from(labels[u as usize])] += 1;
+        }
+    }
+    for (part, root) in GROWS_FROM {
+        let row = &touching[usize::from(part)];
+        if row[usize::from(other_side(root))] > 2 * row[usize::from(root)] {
+            warnings.push(LabelWarning::WrongSide { part });
+        }
+    }
+}
+
+/// The same part on the other side.
+fn other_side(part: u8) -> u8 {
+    match part {
+        1..=3 | 8..=10 => part + 3,
+        4..=6 | 11..=13 => part - 3,
+        _ => part,
+    }
+}
+
+/// Whether both feet point to the back, as left and right have it.
+fn swapped(surface: &Surface, labels: &[u8]) -> bool {
+    let centres = centres(surface, labels);
+    let way = |from: usize, to: usize| Some(centres[to]? - centres[from]?);
+    let pairs = [(4, 1), (11, 8), (12, 9)];
+    let left = pairs.iter().filter_map(|&(r, l)| way(r, l)).fold(V3::zeros(), |s, w| s + w);
+    let front = left.cross(&V3::y());
+    let backwards = |leg: usize, foot: usize| way(leg, foot).map(|w| w.dot(&front) < 0.0);
+    backwards(9, 10) == Some(true) && backwards(12, 13) == Some(true)
+}
+
+/// Centre of gravity of every label.
+fn centres(surface: &Surface, labels: &[u8]) -> [Option<V3>; LABELS] {
+    let mut sums = [(V3::zeros(), 0.0); LABELS];
+    for v in 0..labels.len() {
+        let (sum, area) = &mut sums[usize::from(labels[v])];
+        *sum += surface.points[v] * surface.areas[v];
+        *area += surface.areas[v];
+    }
+    sums.map(|(sum, area)| (area > 0.0).then(|| sum / area))
+}

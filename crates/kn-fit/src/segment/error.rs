@@ -1,0 +1,38 @@
+//! Why a frame cannot be segmented.
+
+/// What is wrong with the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SegmentError {
+    /// No vertices or no faces.
+    #[error("the mesh is empty")]
+    Empty,
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is not finite")]
+    NotFinite {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} has an index out of range")]
+    FaceIndex {
+        /// Index of the face.
+        face: usize,
+    },
+    /// All faces together have no area, or none that can be measured.
+    #[error("the mesh has no area")]
+    NoArea,
+    /// The up axis is not 0, 1 or 2.
+    #[error("the up axis is {axis}, allowed are 0, 1 and 2")]
+    UpAxis {
+        /// What was asked.
+        axis: usize,
+    },
+    /// One label per vertex is needed.
+    #[error("{labels} labels for {vertices} vertices")]
+    LabelCount {
+        /// Number of labels.
+        labels: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+}

@@ -1,0 +1,41 @@
+//! Finds the body parts of a scanned person without a learned model.
+//!
+//! A jointed body of capsules is registered to each frame: from the last frame's pose where there
+//! is one, else from the template in a few attitudes. What points forwards (toes, knees, elbows)
+//! tells left from right, and the evidence adds up over the frames. Vertices get the part of the
+//! closest capsule, smoothed over the surface and held to the last frame's labels, which are
+//! carried along with the bones; hanging cloth goes to the torso, a held object to [`OTHER`], and
+//! a part that cannot be told from the torso joins it.
+//!
+//! Nothing here is normative. The same frames give the same labels for any number of threads.
+
+mod body;
+mod check;
+mod confidence;
+mod error;
+mod fit;
+mod hem;
+mod label;
+mod memory;
+mod object;
+mod pieces;
+mod side;
+mod solve;
+mod start;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod track;
+
+pub use check::{LabelWarning, check_labels};
+pub use error::SegmentError;
+pub use track::{SegmentOptions, SegmentWarning, Segmentation, Segmenter};
+
+type V3 = nalgebra::Vector3<f64>;
+
+/// Number of labels: the paper's 14 body parts and [`OTHER`].
+pub const LABELS: usize = 15;
+/// Label of the torso. Head and arms come before it, the legs after it.
+pub const TORSO: u8 = 7;
+/// Label of what is no body part.
+pub const OTHER: u8 = 14;

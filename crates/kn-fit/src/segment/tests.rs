@@ -1,0 +1,213 @@
+//! The segmenter on whole frames: the performer, the simulated capture, broken meshes.
+
+use super::*;
+use kn_mesh::Mesh;
+use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use proptest::prelude::*;
+
+fn performer(config: PerformerConfig) -> Performer {
+    Performer::new(config).unwrap()
+}
+
+fn areas(mesh: &Mesh) -> Vec<f64> {
+    let surface = surface::Surface::new(&mesh.positions, &mesh.faces, 1).unwrap();
+    surface.areas
+}
+
+/// Share of the area whose label is the mesh's own.
+fn accuracy(mesh: &Mesh, labels: &[u8]) -> f64 {
+    let areas = areas(mesh);
+    let right = |v: &usize| mesh.labels[*v] == labels[*v];
+    (0..labels.len()).filter(right).map(|v| areas[v]).sum::<f64>() / areas.iter().sum::<f64>()
+}
+
+fn segment(segmenter: &mut Segmenter, mesh: &Mesh) -> Segmentation {
+    segmenter.segment(&mesh.positions, &mesh.faces).unwrap()
+}
+
+fn fresh(mesh: &Mesh) -> Segmentation {
+    segment(&mut Segmenter::new(SegmentOptions::default()), mesh)
+}
+
+/// Mean accuracy over every `stride`-th frame, and the worst.
+fn over_frames(config: PerformerConfig, frames: u32, stride: u32) -> (f64, f64) {
+    let performer = performer(config);
+    let mut segmenter = Segmenter::new(SegmentOptions::default());
+    let mut right = Vec::new();
+    for i in 0..frames {
+        let mesh = performer.frame(i * stride);
+        right.push(accuracy(&mesh, &segment(&mut segmenter, &mesh).labels));
+    }
+    let worst = right.iter().copied().fold(1.0, f64::min);
+    (right.iter().sum::<f64>() / right.len() as f64, worst)
+}
+
+#[test]
+fn finds_the_parts_of_a_dancer_in_a_tunic() {
+    let config = PerformerConfig { vertices: 3_000, ..PerformerConfig::default() };
+    let (mean, worst) = over_frames(config, 4, 4);
+    assert!(mean > 0.92 && worst > 0.88, "{mean} {worst}");
+}
+
+#[test]
+fn finds_the_parts_in_unrelated_poses() {
+    let config = PerformerConfig {
+        vertices: 4_000,
+        action: Action::Poses,
+        tunic: false,
+        ..PerformerConfig::default()
+    };
+    let (mean, worst) = over_frames(config, 4, 1);
+    assert!(mean > 0.92 && worst > 0.88, "{mean} {worst}");
+}
+
+#[test]
+fn a_held_ball_is_no_hand() {
+    let config =
+        PerformerConfig { vertices: 4_000, ball: true, seed: 4, ..PerformerConfig::default() };
+    let mesh = performer(config).frame(0);
+    let labels = fresh(&mesh).labels;
+    let ball: Vec<usize> = (0..labels.len()).filter(|&v| mesh.labels[v] == OTHER).collect();
+    let found = ball.iter().filter(|&&v| labels[v] == OTHER).count();
+    assert!(10 * found > 8 * ball.len(), "{found} of {}", ball.len());
+}
+
+#[test]
+fn finds_the_parts_of_the_simulated_capture() {
+    use kn_mesh::io::{LabelSource, ReadOptions, read_mesh};
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/tshirt_turn");
+    if !std::path::Path::new(folder).exists() {
+        eprintln!("skipped: ../shared is absent");
+        return;
+    }
+    let mut segmenter = Segmenter::new(SegmentOptions::default());
+    let mut sum = 0.0;
+    for i in 0..24 {
+        let path = format!("{folder}/frame_{i:04}");
+        let labels = LabelSource::File(format!("{path}.labels").into());
+        let options = ReadOptions { labels, ..ReadOptions::default() };
+        let mesh = read_mesh(format!("{path}.obj").as_ref(), &options).unwrap().mesh;
+        sum += accuracy(&mesh, &segment(&mut segmenter, &mesh).labels) / 24.0;
+    }
+    assert!(sum > 0.92, "{sum}");
+}
+
+#[test]
+fn left_stays_left_when_the_figure_turns_around() {
+    let mesh =
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
+    let mut turned = mesh.clone();
+    turned.positions.iter_mut().for_each(|p| *p = [-p[0], p[1], -p[2]]);
+    for mesh in [mesh, turned] {
+        let right = accuracy(&mesh, &fresh(&mesh).labels);
+        assert!(right > 0.9, "{right}");
+    }
+}
+
+#[test]
+fn any_axis_can_point_up() {
+    let mesh =
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
+    let labels = fresh(&mesh).labels;
+    for up_axis in [0, 2] {
+        let turn = |p: &[f32; 3]| {
+            let mut q = [0.0; 3];
+            (0..3).for_each(|axis| q[(axis + up_axis + 2) % 3] = p[axis]);
+            q
+        };
+        let positions: Vec<_> = mesh.positions.iter().map(turn).collect();
+        let mut segmenter = Segmenter::new(SegmentOptions { up_axis });
+        assert_eq!(segmenter.segment(&positions, &mesh.faces).unwrap().labels, labels);
+    }
+}
+
+#[test]
+fn millimetres_are_as_good_as_metres() {
+    let mesh =
+        performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
+    let mut large = mesh.clone();
+    large.positions.iter_mut().for_each(|p| *p = p.map(|x| 1000.0 * x));
+    assert!(accuracy(&large, &fresh(&large).labels) > 0.9);
+}
+
+#[test]
+fn refuses_what_is_no_mesh() {
+    let run = |positions: &[[f32; 3]], faces: &[[u32; 3]], up_axis| {
+        Segmenter::new(SegmentOptions { up_axis }).segment(positions, faces).unwrap_err()
+    };
+    let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let nan = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
+    assert_eq!(run(&[], &[], 1), SegmentError::Empty);
+    assert_eq!(run(&corner, &[], 1), SegmentError::Empty);
+    assert_eq!(run(&nan, &[[0, 1, 2]], 1), SegmentError::NotFinite { vertex: 2 });
+    assert_eq!(run(&corner, &[[0, 1, 3]], 1), SegmentError::FaceIndex { face: 0 });
+    assert_eq!(run(&corner, &[[0, 1, 1]], 1), SegmentError::NoArea);
+    assert_eq!(run(&corner, &[[0, 1, 2]], 3), SegmentError::UpAxis { axis: 3 });
+}
+
+#[test]
+fn a_bad_frame_leaves_the_past_as_it_was() {
+    let frames = performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() });
+    let [first, second] = [frames.frame(0), frames.frame(1)];
+    let mut plain = Segmenter::new(SegmentOptions::default());
+    segment(&mut plain, &first);
+    let mut disturbed = plain.clone();
+    disturbed.segment(&[], &[]).unwrap_err();
+    assert_eq!(segment(&mut plain, &second), segment(&mut disturbed, &second));
+}
+
+#[test]
+fn true_labels_pass_the_check_and_mixed_up_ones_do_not() {
+    let config = PerformerConfig {
+        vertices: 4_000,
+        action: Action::Stand,
+        tunic: false,
+        ..PerformerConfig::default()
+    };
+    let mesh = performer(config).frame(0);
+    let check = |labels: &[u8]| check_labels(&mesh.positions, &mesh.faces, labels, 1).unwrap();
+    let changed =
+        |change: &dyn Fn(u8) -> u8| mesh.labels.iter().map(|&l| change(l)).collect::<Vec<_>>();
+    assert_eq!(check(&mesh.labels), []);
+    let swapped = changed(&|l| match l {
+        1..=3 | 8..=10 => l + 3,
+        4..=6 | 11..=13 => l - 3,
+        _ => l,
+    });
+    assert_eq!(check(&swapped), [LabelWarning::SidesSwapped]);
+    let hands = changed(&|l| match l {
+        3 => 6,
+        6 => 3,
+        _ => l,
+    });
+    let wrong = [3, 6].map(|part| LabelWarning::WrongSide { part });
+    assert_eq!(check(&hands), wrong);
+    let torn = check(&changed(&|l| if l == 13 { 0 } else { l }));
+    assert!(matches!(torn[..], [LabelWarning::Split { part: 0, gap }] if gap > 0.5), "{torn:?}");
+    assert_eq!(check(&changed(&|l| l + 2)), [LabelWarning::Unknown { label: 15 }; 1]);
+    assert!(check_labels(&mesh.positions, &mesh.faces, &[], 1).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Any soup of triangles, islands and slivers gets labels.
+    #[test]
+    fn survives_triangle_soup(
+        points in prop::collection::vec(prop::array::uniform3(-1e3f32..1e3), 3..300),
+        picks in prop::collection::vec(prop::array::uniform3(0u32..300), 1..300),
+        scale in prop::sample::select(vec![1e-12f32, 1.0, 1e12]),
+    ) {
+        let positions: Vec<_> = points.iter().map(|p| p.map(|x| x * scale)).collect();
+        let count = positions.len() as u32;
+        let faces: Vec<_> = picks.iter().map(|f| f.map(|i| i % count)).collect();
+        let mut segmenter = Segmenter::new(SegmentOptions::default());
+        for _ in 0..2 {
+            if let Ok(found) = segmenter.segment(&positions, &faces) {
+                prop_assert_eq!(found.labels.len(), positions.len());
+                prop_assert!(found.labels.iter().all(|&l| l <= OTHER));
+                prop_assert!(found.confidence.iter().all(|c| (0.0..=1.0).contains(c)));
+            }
+        }
+    }
+}
