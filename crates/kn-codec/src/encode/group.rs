@@ -142,10 +142,22 @@ impl GroupEncoder {
         let input = |reason: String| EncodeError::Input { frame, reason };
         let nodes = choose_key_nodes(&self.config, &self.header, self.reconstruction.intra())
             .map_err(|error| input(error.to_string()))?;
-        self.reconstruction.place(&nodes).map_err(|rule| input(broken(rule)))?;
+        self.reconstruction.place(&nodes).map_err(|rule| match self.bare_part() {
+            Some(part) => input(format!("{}: there is none for {part}", broken(rule))),
+            None => input(broken(rule)),
+        })?;
         let mut bits = BitWriter::new();
         nodes.write(&mut bits);
         Ok(append_unit(out, unit::KEY_NODES, bits))
+    }
+
+    /// A part with vertices whose region has no key node: what strict mode refuses.
+    fn bare_part(&self) -> Option<&'static str> {
+        let region = |&label: &u8| self.header.labels.region(label);
+        let nodes: Vec<_> = self.reconstruction.nodes().labels.iter().map(region).collect();
+        let labels = &self.reconstruction.intra().labels;
+        let bare = labels.iter().find(|label| !nodes.contains(&region(label)))?;
+        kn_bitstream::BODY_LABELS.get(usize::from(*bare)).map(|(name, _)| *name)
     }
 
     fn encode_motion_frame(
