@@ -1,21 +1,30 @@
 //! Registers one OBJ to another and prints how near they come, relative to the target's box.
 //!
-//! `cargo run --release --example register -- SOURCE TARGET [NODES [TRUTH]]`
+//! `cargo run --release --example register -- [SOURCE TARGET [NODES [TRUTH]]]`
+//!
+//! Without arguments two frames of the synthetic performer are registered.
 
 use anyhow::{Context, Result};
 use kn_fit::{FitOptions, RegisterOptions, register};
 use kn_mesh::Mesh;
 use kn_mesh::io::{ReadOptions, read_mesh};
+use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_metrics::TriangleTree;
 use std::path::Path;
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [source, target, rest @ ..] = &arguments[..] else {
-        anyhow::bail!("usage: register SOURCE TARGET [NODES [TRUTH]]");
+    let (source, target, nodes, truth) = match &arguments[..] {
+        [] => performer()?,
+        [source, target, rest @ ..] => {
+            let nodes =
+                rest.first().map_or(Ok(200), |n| n.parse()).context("NODES is no number")?;
+            let truth = rest.get(1).map(|path| read(path)).transpose()?;
+            let truth = truth.map(|mesh| mesh.positions_f64());
+            (read(source)?, read(target)?, nodes, truth)
+        }
+        [_] => anyhow::bail!("usage: register [SOURCE TARGET [NODES [TRUTH]]]"),
     };
-    let nodes = rest.first().map_or(Ok(200), |n| n.parse()).context("NODES is no number")?;
-    let (source, target) = (read(source)?, read(target)?);
     let start = std::time::Instant::now();
     let (from, to) = (source.positions_f64(), target.positions_f64());
     let options = RegisterOptions { nodes, fit: FitOptions::default() };
@@ -33,8 +42,7 @@ fn main() -> Result<()> {
     );
     println!("s2t {:.3e}, t2s {:.3e}", rms(&s2t) / diagonal, rms(&t2s) / diagonal);
     println!("hausdorff {:.3e}", max(&s2t).max(max(&t2s)) / diagonal);
-    if let Some(path) = rest.get(1) {
-        let truth = read(path)?.positions_f64();
+    if let Some(truth) = truth {
         let pairs = truth.iter().zip(&result.positions);
         let off: Vec<f64> = pairs
             .map(|(a, b)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt())
@@ -45,6 +53,16 @@ fn main() -> Result<()> {
         println!("not explained: {failure}");
     }
     Ok(())
+}
+
+/// Two frames of the performer, a number of nodes, and where the vertices of the first truly go.
+fn performer() -> Result<(Mesh, Mesh, usize, Option<Vec<[f64; 3]>>)> {
+    let performer =
+        Performer::new(PerformerConfig { vertices: 5_000, ..PerformerConfig::default() })?;
+    let source = performer.frame(0);
+    let moved = performer.transport(&source, 0, 2);
+    let truth = moved.iter().map(|p| p.map(f64::from)).collect();
+    Ok((source, performer.frame(2), 150, Some(truth)))
 }
 
 fn read(path: &str) -> Result<Mesh> {
