@@ -12,9 +12,12 @@ use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_metrics::TriangleTree;
 use std::path::Path;
 
+/// Source, target, number of nodes, and the true positions of the source's vertices.
+type Task = (Mesh, Mesh, usize, Option<Vec<[f64; 3]>>);
+
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (source, target, nodes, truth) = match &arguments[..] {
+    let (source, target, nodes, truth): Task = match &arguments[..] {
         [] => performer()?,
         [source, target, rest @ ..] => {
             let nodes =
@@ -56,7 +59,7 @@ fn main() -> Result<()> {
 }
 
 /// Two frames of the performer, a number of nodes, and where the vertices of the first truly go.
-fn performer() -> Result<(Mesh, Mesh, usize, Option<Vec<[f64; 3]>>)> {
+fn performer() -> Result<Task> {
     let performer =
         Performer::new(PerformerConfig { vertices: 5_000, ..PerformerConfig::default() })?;
     let source = performer.frame(0);
