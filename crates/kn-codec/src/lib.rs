@@ -19,7 +19,9 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern, Summary,
-    UnitOfLength,
 };
+
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
+#[cfg(feature = "encode")]
+pub use kn_bitstream::UnitOfLength;

@@ -1,5 +1,6 @@
 //! What an encoder can be told.
 
+use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::BoundingBox;
 
@@ -31,24 +32,6 @@ pub enum AffineChoice {
     Labels(Vec<u8>),
     /// All nodes are affine.
     All,
-}
-
-/// The unit of length of the world coordinates; carried, not interpreted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UnitOfLength {
-    /// Not known.
-    #[default]
-    Unspecified,
-    /// Metres.
-    Metre,
-    /// Centimetres.
-    Centimetre,
-    /// Millimetres.
-    Millimetre,
-    /// Inches.
-    Inch,
-    /// Feet.
-    Foot,
 }
 
 /// Names of the frames: `prefix`, then the frame number with at least `digits` digits.

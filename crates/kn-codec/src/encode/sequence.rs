@@ -1,10 +1,10 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{EncoderConfig, GridChoice, UnitOfLength};
+use crate::encode::config::{EncoderConfig, GridChoice};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
-    UnitOfLength as CodedUnit, WeightScheme as CodedScheme,
+    WeightScheme as CodedScheme,
 };
 use kn_deform::{InfluenceMode, WeightScheme};
 use kn_mesh::{BoundingBox, Grid, Mesh};
@@ -22,7 +22,7 @@ pub(crate) fn sequence_header(
         level: choose_level(config, first)?,
         frame_rate: [config.frame_rate.0, config.frame_rate.1],
         up_axis: config.up_axis,
-        unit_of_length: coded_unit(config.unit),
+        unit_of_length: config.unit,
         fraction_bits: config.fraction_bits,
         max_group_length: config.group_length,
         nodes_per_vertex: config.nodes_per_vertex,
@@ -111,15 +111,4 @@ fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
 fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
     let side = bounds.longest_side();
     if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
-}
-
-fn coded_unit(unit: UnitOfLength) -> CodedUnit {
-    match unit {
-        UnitOfLength::Unspecified => CodedUnit::Unspecified,
-        UnitOfLength::Metre => CodedUnit::Metre,
-        UnitOfLength::Centimetre => CodedUnit::Centimetre,
-        UnitOfLength::Millimetre => CodedUnit::Millimetre,
-        UnitOfLength::Inch => CodedUnit::Inch,
-        UnitOfLength::Foot => CodedUnit::Foot,
-    }
 }
