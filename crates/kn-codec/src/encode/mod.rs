@@ -8,7 +8,8 @@ mod nodes;
 mod quantise;
 mod report;
 mod sequence;
+mod smoothing;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
+pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, SmoothingChoice};
 pub use encoder::{Encoder, Finished};
 pub use report::{FrameReport, Summary};
