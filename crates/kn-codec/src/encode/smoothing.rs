@@ -4,7 +4,7 @@ use crate::decode::Reconstruction;
 use kn_bitstream::MAX_SMOOTHING;
 use kn_fit::FitTarget;
 
-/// Vertices that the choice looks at, about.
+/// Faces that the choice looks at, about.
 const SAMPLES: usize = 4000;
 /// How much farther from the scan a smoothed surface may be than the unsmoothed one. MSDM2 still
 /// falls beyond the strength with the smallest distance; see `docs/notes/smoothing.md`.
@@ -23,9 +23,14 @@ pub(crate) fn choose_smoothing(
     let mut error = |strength| {
         reconstruction.smooth(strength);
         let reference = reconstruction.reference();
-        let stride = (reference.len() / SAMPLES).max(1);
-        let points: Vec<[f64; 3]> =
-            reference.iter().step_by(stride).map(|p| p.map(|c| f64::from(c) / unit)).collect();
+        let faces = &reconstruction.intra().faces;
+        let stride = (faces.len() / SAMPLES).max(1);
+        // Vertices alone would make noise look larger than it is on the surface between them.
+        let centroid = |face: &[u32; 3]| -> [f64; 3] {
+            let corners = face.map(|vertex| reference[vertex as usize].map(f64::from));
+            std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / (3.0 * unit))
+        };
+        let points: Vec<[f64; 3]> = faces.iter().step_by(stride).map(centroid).collect();
         scan.rms_distance(&points)
     };
     let bound = TOLERANCE * error(0);
