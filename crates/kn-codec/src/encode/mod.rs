@@ -9,7 +9,10 @@ mod quantise;
 mod report;
 mod sequence;
 mod smoothing;
+mod translation;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, SmoothingChoice};
+pub use config::{
+    AffineChoice, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, TranslationChoice,
+};
 pub use encoder::{Encoder, Finished};
 pub use report::{FrameReport, Summary};
