@@ -17,6 +17,7 @@ mod direction;
 mod eigenvalues;
 mod exp;
 mod flood;
+mod list;
 mod matching;
 mod statistics;
 mod topology;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::eigenvalues::eigenvalues;
-use super::flood::{Flood, Spheres, Step};
+use super::flood::{Flood, Spheres, Step, clip};
 use super::topology::{Symmetric, Topology};
 use crate::vec3::{Vec3, length, sub};
 
@@ -51,7 +51,7 @@ pub(super) fn curvature(
     let levels = radii.len();
     let spheres = Spheres::new(radii.iter().copied());
     let mut curvature = vec![0.0; positions.len() * levels];
-    let scratch = || (Flood::new(positions.len()), vec![[0.0; 6]; levels]);
+    let scratch = || (Flood::new(positions.len(), levels), vec![[0.0; 6]; levels]);
     curvature.par_chunks_mut(CHUNK * levels).enumerate().for_each_init(
         scratch,
         |(flood, tensors), (chunk, out)| {
@@ -79,9 +79,13 @@ pub(super) fn curvature(
 #[inline]
 fn add_edge(tensors: &mut [Symmetric], step: &Step<'_>, edges: &[Symmetric], spheres: &Spheres) {
     let whole = &edges[step.to.edge as usize];
-    for level in step.from.level as usize..tensors.len() {
-        let leaves = level < step.to_level as usize;
-        let part = if leaves { step.clip(spheres.radii_squared[level]) } else { 1.0 };
+    let Step { from, from_level, to_level, along, .. } = *step;
+    for level in from_level..tensors.len() {
+        let part = if level < to_level {
+            clip(from.offset, from.distance_squared, along, spheres.radii_squared[level])
+        } else {
+            1.0
+        };
         for (sum, entry) in tensors[level].iter_mut().zip(whole) {
             *sum += part * entry;
         }

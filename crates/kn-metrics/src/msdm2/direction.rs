@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::flood::{Flood, Spheres, Step};
+use super::flood::{Flood, Reached, Spheres, clip};
+use super::list::List;
 use super::matching::opposite_areas;
-use super::statistics::{Moments, Samples, Weights};
+use super::statistics::{Sample, Samples};
 use super::{Interpolation, Msdm2Direction, Msdm2Surface, radii};
 use crate::tree::Closest;
 use crate::vec3::{Vec3, distance_squared, length_squared, mul_add, sub};
@@ -15,12 +16,17 @@ const NEIGHBOURHOOD: f64 = 5.0;
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 128;
 
+/// The Gaussian weight at the sphere's radius, which is 2σ: e⁻².
+const ON_SPHERE: f64 = 0.135_335_283_236_612_7;
+
 /// A distorted mesh, matched with its original.
 pub(super) struct Direction<'a> {
     distorted: &'a Msdm2Surface,
     levels: usize,
     /// Squared radii of the neighbourhoods.
     spheres: Spheres,
+    /// Times a squared distance: the exponent of the Gaussian weight, −1 / 2σ² with σ = h / 2.
+    exponents: Vec<f64>,
     /// Per vertex 3 + 2 · levels numbers side by side: the matched point, the vertex's own
     /// curvature at each level, and the matched one at each level.
     records: Vec<f64>,
@@ -56,7 +62,8 @@ impl<'a> Direction<'a> {
         }
         let radii = radii(distorted.side, levels).into_iter().map(|radius| NEIGHBOURHOOD * radius);
         let spheres = Spheres::new(radii);
-        Self { distorted, levels, spheres, records }
+        let exponents = spheres.radii_squared.iter().map(|square| -2.0 / square).collect();
+        Self { distorted, levels, spheres, exponents, records }
     }
 
     pub(super) fn evaluate(&self) -> Msdm2Direction {
@@ -82,63 +89,80 @@ impl<'a> Direction<'a> {
         if self.distorted.topology.is_isolated(vertex) {
             return 0.0;
         }
-        self.collect(vertex, scratch);
+        self.flood(vertex, scratch);
         let centre = self.record(vertex);
         let mut sum = 0.0;
-        for (level, radius_squared) in self.spheres.radii_squared.iter().enumerate() {
-            let moments = scratch.moments(level, *radius_squared);
+        for level in 0..self.levels {
+            self.sample(vertex, level, scratch);
+            let moments = scratch.samples.moments();
             sum += moments.distance(centre.own[level], centre.other[level]);
         }
         sum / self.levels as f64
     }
 
-    /// The samples of all levels around a vertex.
-    fn collect(&self, vertex: usize, scratch: &mut Scratch) {
-        scratch.clear();
+    /// The vertices of the largest sphere, and the edges that leave one of the spheres.
+    fn flood(&self, vertex: usize, scratch: &mut Scratch) {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
-        let centre = self.record(vertex);
-        let Scratch { flood, inside, crossing, .. } = scratch;
-        let reached = flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
-            for level in step.from.level..step.to_level {
-                let level = level as usize;
-                self.push_crossing(step, level, &centre, &mut crossing[level]);
-            }
+        let Scratch { flood, leaving, .. } = scratch;
+        leaving.iter_mut().for_each(List::clear);
+        flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
+            let edge = Leaving {
+                from: step.from.vertex,
+                to: step.to.vertex,
+                to_level: step.to_level as u32,
+            };
+            leaving[step.from_level].push_if(step.from_level < step.to_level, edge);
         });
-        for first_level in 0..self.levels {
-            for reached in reached.iter().filter(|reached| reached.level as usize == first_level) {
-                let record = self.record(reached.vertex as usize);
-                inside.own_distance.push(reached.distance_squared);
-                inside.other_distance.push(distance_squared(record.matched, centre.matched));
-                for level in first_level..self.levels {
-                    let own = record.own[level] - centre.own[level];
-                    inside.samples[level].push(own, record.other[level] - centre.other[level]);
-                }
-            }
-            inside.counts[first_level] = inside.own_distance.len();
+    }
+
+    /// The samples of a level around a vertex, after the flood.
+    pub(super) fn sample(&self, vertex: usize, level: usize, scratch: &mut Scratch) {
+        let centre = self.record(vertex);
+        let Scratch { flood, leaving, crossing, samples } = scratch;
+        crossing.clear();
+        for edge in leaving[..=level].iter().flat_map(List::as_slice) {
+            crossing.push_if(edge.to_level as usize > level, *edge);
         }
+        let count = (0..=level).map(|level| flood.reached(level).len()).sum();
+        let inside = (0..=level).flat_map(|level| flood.reached(level));
+        let inside = inside.map(|reached| self.at_vertex(reached, level, &centre));
+        let origin = self.distorted.positions[vertex];
+        let crossing = crossing.as_slice();
+        let leaving = crossing.iter().map(|edge| self.on_edge(edge, level, origin, &centre));
+        samples.fill((count, inside), (crossing.len(), leaving));
+    }
+
+    #[inline]
+    fn at_vertex(&self, reached: &Reached, level: usize, centre: &Record<'_>) -> Sample {
+        let exponent = self.exponents[level];
+        let record = self.record(reached.vertex as usize);
+        [
+            exponent * reached.distance_squared,
+            exponent * distance_squared(record.matched, centre.matched),
+            record.own[level] - centre.own[level],
+            record.other[level] - centre.other[level],
+        ]
     }
 
     /// The sample where an edge leaves the sphere of a level.
     #[inline]
-    fn push_crossing(
-        &self,
-        step: &Step<'_>,
-        level: usize,
-        centre: &Record<'_>,
-        out: &mut Crossing,
-    ) {
-        let t = step.clip(self.spheres.radii_squared[level]);
-        let from = self.record(step.from.vertex as usize);
-        let to = self.record(step.to.vertex as usize);
+    fn on_edge(&self, edge: &Leaving, level: usize, origin: Vec3, centre: &Record<'_>) -> Sample {
+        let positions = &self.distorted.positions;
+        let start = positions[edge.from as usize];
+        let (offset, along) = (sub(start, origin), sub(positions[edge.to as usize], start));
+        let t = clip(offset, length_squared(offset), along, self.spheres.radii_squared[level]);
+        let (from, to) = (self.record(edge.from as usize), self.record(edge.to as usize));
         let between = |a: f64, b: f64, centre: f64| a + t * (b - a) - centre;
-        let offset = mul_add(step.from.offset, t, step.along);
         let matched = mul_add(from.matched, t, sub(to.matched, from.matched));
-        out.own_distance.push(length_squared(offset));
-        out.other_distance.push(distance_squared(matched, centre.matched));
-        out.samples.push(
+        let exponent = self.exponents[level];
+        let own = exponent * length_squared(mul_add(offset, t, along));
+        [
+            // On the sphere, but for edges that start on it or have no length.
+            if (own + 2.0).abs() < 1e-9 { ON_SPHERE } else { libm::exp(own) },
+            exponent * distance_squared(matched, centre.matched),
             between(from.own[level], to.own[level], centre.own[level]),
             between(from.other[level], to.other[level], centre.other[level]),
-        );
+        ]
     }
 
     #[inline]
@@ -157,74 +181,33 @@ pub(super) struct Record<'a> {
     pub(super) other: &'a [f64],
 }
 
-/// The vertices around a vertex, ordered by the first level that holds them: the samples of a level
-/// are the first ones.
-struct Inside {
-    own_distance: Vec<f64>,
-    other_distance: Vec<f64>,
-    /// Per level how many vertices it holds.
-    counts: Vec<usize>,
-    samples: Vec<Samples>,
-}
-
-/// The points where edges leave the sphere of a level.
-#[derive(Clone, Default)]
-struct Crossing {
-    own_distance: Vec<f64>,
-    other_distance: Vec<f64>,
-    samples: Samples,
+/// An edge that leaves at least one sphere. Its start is in the sphere of the level that it is
+/// filed under.
+#[derive(Clone, Copy, Debug)]
+struct Leaving {
+    from: u32,
+    to: u32,
+    /// The first level whose sphere it does not leave; may be the number of levels.
+    to_level: u32,
 }
 
 /// Buffers of a thread.
 pub(super) struct Scratch {
     flood: Flood,
-    inside: Inside,
-    /// Per level.
-    crossing: Vec<Crossing>,
-    weights: Weights,
+    /// Per level the edges that start in its sphere, but in no smaller one.
+    leaving: Vec<List<Leaving>>,
+    /// The edges that leave the sphere of one level.
+    crossing: List<Leaving>,
+    pub(super) samples: Samples,
 }
 
 impl Scratch {
     pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
-        let inside = Inside {
-            own_distance: Vec::new(),
-            other_distance: Vec::new(),
-            counts: vec![0; levels],
-            samples: vec![Samples::default(); levels],
-        };
-        let crossing = vec![Crossing::default(); levels];
-        let flood = Flood::new(vertex_count);
-        Self { flood, inside, crossing, weights: Weights::default() }
-    }
-
-    fn clear(&mut self) {
-        self.inside.own_distance.clear();
-        self.inside.other_distance.clear();
-        self.inside.samples.iter_mut().for_each(Samples::clear);
-        for crossing in &mut self.crossing {
-            crossing.own_distance.clear();
-            crossing.other_distance.clear();
-            crossing.samples.clear();
+        Self {
+            flood: Flood::new(vertex_count, levels),
+            leaving: vec![List::new(); levels],
+            crossing: List::new(),
+            samples: Samples::default(),
         }
-    }
-
-    /// Weighted sums over the samples of a level.
-    fn moments(&mut self, level: usize, radius_squared: f64) -> Moments {
-        let Self { inside, crossing, weights, .. } = self;
-        let mut moments = Moments::default();
-        let (own, other) = (&inside.own_distance, &inside.other_distance);
-        let count = inside.counts[level];
-        weights.evaluate(radius_squared, &own[..count], &other[..count]);
-        moments.add(&mut inside.samples[level], weights);
-        let crossing = &mut crossing[level];
-        weights.evaluate(radius_squared, &crossing.own_distance, &crossing.other_distance);
-        moments.add(&mut crossing.samples, weights);
-        moments
-    }
-
-    /// How many samples a level has.
-    #[cfg(test)]
-    pub(super) fn count(&self, level: usize) -> usize {
-        self.inside.counts[level] + self.crossing[level].own_distance.len()
     }
 }

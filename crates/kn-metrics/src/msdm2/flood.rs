@@ -1,6 +1,7 @@
 //! The neighbourhood of a vertex inside a sphere, along edges that lead away from it.
 
-use super::topology::{Neighbour, Topology};
+use super::list::List;
+use super::topology::{Block, Neighbour, Topology};
 use crate::vec3::{Vec3, dot, length_squared, scale, sub};
 
 /// Concentric spheres around each vertex, one a level, the smallest first.
@@ -18,8 +19,6 @@ pub(super) struct Spheres {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reached {
     pub(super) vertex: u32,
-    /// The first level whose sphere holds it, and with it all levels above.
-    pub(super) level: u32,
     /// From the centre.
     pub(super) offset: Vec3,
     pub(super) distance_squared: f64,
@@ -29,27 +28,29 @@ pub(super) struct Reached {
 pub(super) struct Step<'a> {
     pub(super) from: &'a Reached,
     pub(super) to: Neighbour,
-    /// The first level at which the edge does not leave the sphere; may be the number of levels.
-    pub(super) to_level: u32,
+    /// The first level whose sphere holds the edge's start, and with it all levels above.
+    pub(super) from_level: usize,
+    /// The first level whose sphere holds its end; may be the number of levels.
+    pub(super) to_level: usize,
     /// From `from` to `to`.
     pub(super) along: Vec3,
 }
 
 /// Buffers of a flood, reused from vertex to vertex.
 pub(super) struct Flood {
-    /// Per vertex the round that reached it last.
+    /// Per vertex the round that touched it last.
     seen: Vec<u32>,
     round: u32,
-    reached: Vec<Reached>,
+    /// Per level the vertices of its sphere that no smaller sphere holds; then those outside.
+    reached: Vec<List<Reached>>,
 }
 
 impl Flood {
-    pub(super) fn new(vertex_count: usize) -> Self {
-        Self { seen: vec![0; vertex_count], round: 0, reached: Vec::new() }
+    pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
+        Self { seen: vec![0; vertex_count], round: 0, reached: vec![List::new(); levels + 1] }
     }
 
-    /// Visits each used edge once, from its nearer end, and returns the reached vertices: the
-    /// centre first, each once.
+    /// Visits each used edge once, from its nearer end.
     #[inline]
     pub(super) fn run(
         &mut self,
@@ -58,43 +59,63 @@ impl Flood {
         centre: u32,
         spheres: &Spheres,
         mut visit: impl FnMut(&Step),
-    ) -> &[Reached] {
-        let origin = positions[centre as usize];
-        let levels = spheres.radii_squared.len() as u32;
+    ) {
         self.round += 1;
         self.seen[centre as usize] = self.round;
-        self.reached.clear();
-        let offset = [0.0; 3];
-        self.reached.push(Reached { vertex: centre, level: 0, offset, distance_squared: 0.0 });
-        let mut next = 0;
-        while let Some(&from) = self.reached.get(next) {
-            let start = positions[from.vertex as usize];
-            let direction = scale(from.offset, spheres.to_unit);
-            for block in topology.blocks(from.vertex as usize) {
-                let mut lanes = block.ahead(direction);
-                while lanes != 0 {
-                    let to = block.neighbour(lanes.trailing_zeros());
-                    lanes &= lanes - 1;
-                    let end = positions[to.vertex as usize];
-                    let along = sub(end, start);
-                    if dot(along, from.offset) <= 0.0 && next > 0 {
-                        continue;
-                    }
-                    let offset = sub(end, origin);
-                    let distance_squared = length_squared(offset);
-                    let level = spheres.level_of(distance_squared);
-                    visit(&Step { from: &from, to, to_level: level, along });
-                    let seen = &mut self.seen[to.vertex as usize];
-                    if level < levels && *seen != self.round {
-                        *seen = self.round;
-                        let vertex = to.vertex;
-                        self.reached.push(Reached { vertex, level, offset, distance_squared });
-                    }
+        self.reached.iter_mut().for_each(List::clear);
+        let start = Reached { vertex: centre, offset: [0.0; 3], distance_squared: 0.0 };
+        self.reached[0].push_if(true, start);
+        let origin = positions[centre as usize];
+        // No edge leads from a large sphere back into a smaller one.
+        for level in 0..spheres.radii_squared.len() {
+            let mut next = 0;
+            while let Some(&from) = self.reached[level].as_slice().get(next) {
+                let direction = scale(from.offset, spheres.to_unit);
+                for block in topology.blocks(from.vertex as usize) {
+                    let lanes = block.ahead(direction);
+                    self.follow(block, lanes, positions, origin, spheres, (&from, level), &mut visit);
                 }
+                next += 1;
             }
-            next += 1;
         }
-        &self.reached
+    }
+
+    /// The edges from a reached vertex to some of a block's neighbours.
+    #[inline(always)]
+    fn follow(
+        &mut self,
+        block: &Block,
+        mut lanes: u32,
+        positions: &[Vec3],
+        origin: Vec3,
+        spheres: &Spheres,
+        (from, from_level): (&Reached, usize),
+        visit: &mut impl FnMut(&Step),
+    ) {
+        let start = positions[from.vertex as usize];
+        while lanes != 0 {
+            let to = block.neighbour(lanes.trailing_zeros());
+            lanes &= lanes - 1;
+            let end = positions[to.vertex as usize];
+            let along = sub(end, start);
+            if dot(along, from.offset) <= 0.0 && from.distance_squared > 0.0 {
+                continue;
+            }
+            let offset = sub(end, origin);
+            let distance_squared = length_squared(offset);
+            let to_level = spheres.level_of(distance_squared);
+            visit(&Step { from, to, from_level, to_level, along });
+            let seen = &mut self.seen[to.vertex as usize];
+            let reached = Reached { vertex: to.vertex, offset, distance_squared };
+            self.reached[to_level].push_if(*seen != self.round, reached);
+            *seen = self.round;
+        }
+    }
+
+    /// What the last run reached: the vertices whose first level this is. The centre comes first.
+    #[inline]
+    pub(super) fn reached(&self, level: usize) -> &[Reached] {
+        self.reached[level].as_slice()
     }
 }
 
@@ -109,27 +130,31 @@ impl Spheres {
     /// The first level whose sphere holds a neighbour at this distance. An edge without length
     /// leaves every sphere, as in the reference.
     #[inline]
-    fn level_of(&self, distance_squared: f64) -> u32 {
+    fn level_of(&self, distance_squared: f64) -> usize {
         if distance_squared == 0.0 {
-            return self.radii_squared.len() as u32;
+            return self.radii_squared.len();
         }
-        self.radii_squared.iter().map(|&radius| u32::from(distance_squared > radius)).sum()
+        self.radii_squared.iter().map(|&radius| usize::from(distance_squared > radius)).sum()
     }
 }
 
-impl Step<'_> {
-    /// Which part of the edge lies inside a sphere that it leaves: 0 < t ≤ 1.
-    #[inline]
-    pub(super) fn clip(&self, radius_squared: f64) -> f64 {
-        let a = length_squared(self.along);
-        let b = 2.0 * dot(self.from.offset, self.along);
-        let c = self.from.distance_squared - radius_squared;
-        if a == 0.0 {
-            return 1.0;
-        }
-        // c ≤ 0, since the edge starts inside: the root is real and not negative.
-        let t = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
-        // The reference's way out where an edge starts on the sphere.
-        if t < 1e-16 { 0.01 } else { t.min(1.0) }
+/// Which part of an edge lies inside a sphere that it leaves: 0 < t ≤ 1. The edge starts inside at
+/// `offset` from the centre, `distance_squared` away.
+#[inline]
+pub(super) fn clip(
+    offset: Vec3,
+    distance_squared: f64,
+    along: Vec3,
+    radius_squared: f64,
+) -> f64 {
+    let a = length_squared(along);
+    let b = dot(offset, along);
+    let c = distance_squared - radius_squared;
+    if a == 0.0 {
+        return 1.0;
     }
+    // c ≤ 0, since the edge starts inside: the root is real and not negative.
+    let t = ((b * b - a * c).sqrt() - b) / a;
+    // The reference's way out where an edge starts on the sphere.
+    if t < 1e-16 { 0.01 } else { t.min(1.0) }
 }

@@ -5,20 +5,18 @@ use super::exp::exp_in_place;
 /// Sums run in this many lanes, so that the compiler can vectorise them; the order is fixed.
 const LANES: usize = 4;
 
-/// Samples side by side. Curvatures are relative to those at the centre: C − C(v), Ĉ − Ĉ(v).
-/// That keeps the digits of a variance which is small beside the mean.
-#[derive(Clone, Default)]
+/// Samples side by side: those at vertices first, then those where edges leave the sphere.
+/// Curvatures are relative to those at the centre: C − C(v), Ĉ − Ĉ(v). That keeps the digits of a
+/// variance which is small beside the mean.
+#[derive(Default)]
 pub(super) struct Samples {
-    pub(super) own: Vec<f64>,
-    pub(super) other: Vec<f64>,
+    inside: usize,
+    count: usize,
+    columns: [Vec<f64>; 4],
 }
 
-/// Gaussian weights of samples, by the distances on both surfaces.
-#[derive(Default)]
-pub(super) struct Weights {
-    own: Vec<f64>,
-    other: Vec<f64>,
-}
+/// One sample: exponents of both Gaussian weights or the weights themselves, and both curvatures.
+pub(super) type Sample = [f64; 4];
 
 /// Weighted sums over samples a = C − C(v), b = Ĉ − Ĉ(v).
 #[derive(Default)]
@@ -34,50 +32,49 @@ pub(super) struct Moments {
 }
 
 impl Samples {
-    pub(super) fn clear(&mut self) {
-        self.own.clear();
-        self.other.clear();
-    }
-
+    /// Takes `inside` samples at vertices, with the exponents of both weights, and as many others
+    /// as there are, with the first weight itself and the exponent of the second.
     #[inline]
-    pub(super) fn push(&mut self, own: f64, other: f64) {
-        self.own.push(own);
-        self.other.push(other);
-    }
-}
-
-impl Weights {
-    /// Weights exp(−d² / 2σ²) with σ = h / 2 of squared distances in a sphere of squared radius h².
-    pub(super) fn evaluate(&mut self, radius_squared: f64, own: &[f64], other: &[f64]) {
-        let exponent = -2.0 / radius_squared;
-        for (weights, distances) in [(&mut self.own, own), (&mut self.other, other)] {
-            weights.clear();
-            weights.extend(distances.iter().map(|distance| distance * exponent));
-            exp_in_place(weights);
-            // The last group of lanes is filled with samples that weigh nothing.
-            weights.resize(distances.len().next_multiple_of(LANES), 0.0);
+    pub(super) fn fill(
+        &mut self,
+        inside: (usize, impl Iterator<Item = Sample>),
+        leaving: (usize, impl Iterator<Item = Sample>),
+    ) {
+        self.inside = inside.0;
+        self.count = inside.0 + leaving.0;
+        let padded = self.count.next_multiple_of(LANES);
+        for column in &mut self.columns {
+            column.resize(padded, 0.0);
+            column[self.count..].fill(0.0);
         }
+        let [w1, w2, a, b] = &mut self.columns;
+        let rows = w1.iter_mut().zip(w2).zip(a.iter_mut().zip(b));
+        for (((w1, w2), (a, b)), sample) in rows.zip(inside.1.chain(leaving.1)) {
+            [*w1, *w2, *a, *b] = sample;
+        }
+    }
+
+    /// Weighted sums over all samples. Replaces the exponents.
+    pub(super) fn moments(&mut self) -> Moments {
+        let [w1, w2, a, b] = &mut self.columns;
+        exp_in_place(&mut w1[..self.inside]);
+        exp_in_place(&mut w2[..self.count]);
+        let mut moments = Moments::default();
+        let [w1, w2, a, b] = [w1, w2, a, b].map(|column| column.as_chunks::<LANES>().0);
+        for (((a, b), w1), w2) in a.iter().zip(b).zip(w1).zip(w2) {
+            moments.add_lanes(a, b, w1, w2);
+        }
+        moments
+    }
+
+    /// How many samples there are.
+    #[cfg(test)]
+    pub(super) fn count(&self) -> usize {
+        self.count
     }
 }
 
 impl Moments {
-    /// Adds the first samples, as many as have a weight.
-    pub(super) fn add(&mut self, samples: &mut Samples, weights: &Weights) {
-        let count = weights.own.len();
-        for values in [&mut samples.own, &mut samples.other] {
-            if values.len() < count {
-                values.resize(count, 0.0);
-            }
-        }
-        let a = samples.own.as_chunks::<LANES>().0;
-        let b = samples.other.as_chunks::<LANES>().0;
-        let w1 = weights.own.as_chunks::<LANES>().0;
-        let w2 = weights.other.as_chunks::<LANES>().0;
-        for (((a, b), w1), w2) in a.iter().zip(b).zip(w1).zip(w2) {
-            self.add_lanes(a, b, w1, w2);
-        }
-    }
-
     #[inline]
     fn add_lanes(
         &mut self,

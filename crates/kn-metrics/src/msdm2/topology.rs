@@ -14,17 +14,16 @@ pub(super) struct Neighbour {
     pub(super) edge: u32,
 }
 
-/// Neighbours of a block.
-const LANES: usize = 4;
+/// Neighbours of a block: enough for nearly all vertices, and two vectors of four.
+const LANES: usize = 8;
 
-/// Up to four neighbours of a vertex.
+/// Up to eight neighbours of a vertex.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    /// Unit vectors along the edges, one coordinate of all lanes at a time, in binary32. Not a
+    /// Unit vectors along the edges, one coordinate of four lanes at a time, in binary32. Not a
     /// number where there is no neighbour, zero where the edge has no length.
-    directions: [Vec4; 3],
+    directions: [[Vec4; 3]; 2],
     neighbours: [Neighbour; LANES],
-    count: u32,
 }
 
 /// Who is next to whom.
@@ -79,7 +78,9 @@ impl Topology {
     }
 
     pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
-        let used = |block: &Block| block.neighbours.into_iter().take(block.count as usize);
+        let used = |block: &Block| {
+            block.neighbours.into_iter().take(block.ahead([0.0; 3]).count_ones() as usize)
+        };
         self.blocks(vertex).iter().flat_map(used)
     }
 
@@ -94,13 +95,15 @@ impl Block {
     #[inline]
     pub(super) fn ahead(&self, direction: Vec3) -> u32 {
         let [x, y, z] = direction.map(|x| x as f32);
-        let along = self.directions[0] * x + self.directions[1] * y + self.directions[2] * z;
         // Rounding moves the product by less than half of this.
-        let slack = 1e-6 * (x.abs() + y.abs() + z.abs());
-        along.cmpge(Vec4::splat(-slack)).bitmask()
+        let slack = Vec4::splat(-1e-6 * (x.abs() + y.abs() + z.abs()));
+        let [low, high] = self.directions.each_ref().map(|along| {
+            (along[0] * x + along[1] * y + along[2] * z).cmpge(slack).bitmask()
+        });
+        low | high << (LANES / 2)
     }
 
-    /// The neighbour of a lane below four.
+    /// The neighbour of a lane below eight.
     #[inline]
     pub(super) fn neighbour(&self, lane: u32) -> Neighbour {
         self.neighbours[lane as usize % LANES]
@@ -114,22 +117,19 @@ fn blocks_of(
     neighbours: &[Neighbour],
 ) -> (Vec<u32>, Vec<Block>) {
     let mut block_starts = Vec::with_capacity(starts.len());
-    let mut blocks = Vec::with_capacity(neighbours.len() / 3);
+    let mut blocks = Vec::with_capacity(starts.len());
     block_starts.push(0);
     for (vertex, range) in starts.windows(2).enumerate() {
         for some in neighbours[range[0] as usize..range[1] as usize].chunks(LANES) {
-            let mut block = Block {
-                directions: [Vec4::NAN; 3],
-                neighbours: [some[0]; LANES],
-                count: some.len() as u32,
-            };
+            let mut block =
+                Block { directions: [[Vec4::NAN; 3]; 2], neighbours: [some[0]; LANES] };
             for (lane, &neighbour) in some.iter().enumerate() {
                 let along = sub(positions[neighbour.vertex as usize], positions[vertex]);
                 let length = length(along);
                 block.neighbours[lane] = neighbour;
                 for axis in 0..3 {
                     let unit = if length > 0.0 { along[axis] / length } else { 0.0 };
-                    block.directions[axis][lane] = unit as f32;
+                    block.directions[lane / 4][axis][lane % 4] = unit as f32;
                 }
             }
             blocks.push(block);
