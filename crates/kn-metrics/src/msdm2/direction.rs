@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::flood::{Flood, Reached, Spheres, clip};
+use super::flood::{Flood, Spheres, clip, clip_special};
 use super::list::List;
 use super::matching::opposite_areas;
 use super::statistics::{Sample, Samples};
 use super::{Interpolation, Msdm2Direction, Msdm2Surface, radii};
+use crate::lanes::each_lane;
 use crate::tree::Closest;
 use crate::vec3::{Vec3, distance_squared, length_squared, mul_add, sub};
 
@@ -27,9 +28,20 @@ pub(super) struct Direction<'a> {
     spheres: Spheres,
     /// Times a squared distance: the exponent of the Gaussian weight, −1 / 2σ² with σ = h / 2.
     exponents: Vec<f64>,
-    /// Per vertex 3 + 2 · levels numbers side by side: the matched point, the vertex's own
-    /// curvature at each level, and the matched one at each level.
-    records: Vec<f64>,
+    /// `levels × #V`.
+    records: Vec<Vec<Record>>,
+}
+
+/// What a level knows of a vertex of the distorted mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Record {
+    position: Vec3,
+    /// The vertex's own curvature.
+    pub(super) own: f64,
+    /// The closest point on the original.
+    matched: Vec3,
+    /// Curvature there.
+    pub(super) other: f64,
 }
 
 impl<'a> Direction<'a> {
@@ -42,26 +54,27 @@ impl<'a> Direction<'a> {
     ) -> Self {
         let own = distorted.curvature(distorted.side, levels);
         let other = original.curvature(distorted.side, levels);
-        let mut records = Vec::with_capacity(matches.len() * (3 + 2 * levels));
-        for (vertex, closest) in matches.iter().enumerate() {
-            records.extend(closest.point);
-            records.extend(&own[vertex * levels..(vertex + 1) * levels]);
+        let record = |vertex: usize, level: usize| {
+            let (closest, position) = (&matches[vertex], distorted.positions[vertex]);
             let weights = match interpolation {
-                Interpolation::AtVertex => {
-                    opposite_areas(original, closest, distorted.positions[vertex])
-                }
+                Interpolation::AtVertex => opposite_areas(original, closest, position),
                 Interpolation::Projected => closest.barycentric,
             };
-            let corners =
-                original.faces[closest.face as usize].map(|corner| corner as usize * levels);
-            records.extend(
-                (0..levels).map(|level| {
-                    (0..3).map(|i| weights[i] * other[corners[i] + level]).sum::<f64>()
-                }),
-            );
-        }
+            let corners = original.faces[closest.face as usize];
+            let at_corner = |i: usize| weights[i] * other[corners[i] as usize * levels + level];
+            Record {
+                position,
+                own: own[vertex * levels + level],
+                matched: closest.point,
+                other: (0..3).map(at_corner).sum(),
+            }
+        };
+        let records = (0..levels)
+            .into_par_iter()
+            .map(|level| (0..matches.len()).map(|vertex| record(vertex, level)).collect())
+            .collect();
         let radii = radii(distorted.side, levels).into_iter().map(|radius| NEIGHBOURHOOD * radius);
-        let spheres = Spheres::new(radii);
+        let spheres = Spheres::new(radii, &distorted.topology);
         let exponents = spheres.radii_squared.iter().map(|square| -2.0 / square).collect();
         Self { distorted, levels, spheres, exponents, records }
     }
@@ -90,124 +103,130 @@ impl<'a> Direction<'a> {
             return 0.0;
         }
         self.flood(vertex, scratch);
-        let centre = self.record(vertex);
         let mut sum = 0.0;
-        for level in 0..self.levels {
+        for (level, records) in self.records.iter().enumerate() {
             self.sample(vertex, level, scratch);
-            let moments = scratch.samples.moments();
-            sum += moments.distance(centre.own[level], centre.other[level]);
+            let centre = &records[vertex];
+            sum += scratch.samples.moments().distance(centre.own, centre.other);
         }
         sum / self.levels as f64
     }
 
-    /// The vertices of the largest sphere, and the edges that leave one of the spheres.
+    /// The vertices of the largest sphere, and the edges that leave each of the spheres.
     fn flood(&self, vertex: usize, scratch: &mut Scratch) {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
-        let Scratch { flood, leaving, .. } = scratch;
+        let Scratch { flood, candidates, leaving, .. } = scratch;
+        candidates.iter_mut().for_each(List::clear);
         leaving.iter_mut().for_each(List::clear);
         flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
-            let edge = Leaving {
-                from: step.from.vertex,
-                to: step.to.vertex,
-                to_level: step.to_level as u32,
-            };
-            leaving[step.from_level].push_if(step.from_level < step.to_level, edge);
+            let candidates = &mut candidates[step.level];
+            each_lane::<2>(step.leaving, |is_one, lane| {
+                candidates.push_if(is_one, [step.from, step.block.neighbour(lane).vertex]);
+            });
         });
+        let origin = positions[vertex];
+        for (first_level, candidates) in candidates.iter().enumerate() {
+            for edge in candidates.as_slice() {
+                let end_squared = length_squared(sub(positions[edge[1] as usize], origin));
+                // An edge without length leaves every sphere, as in the reference.
+                let end_squared = if end_squared == 0.0 { f64::INFINITY } else { end_squared };
+                for level in first_level..self.levels {
+                    let leaves = end_squared > self.spheres.radii_squared[level];
+                    leaving[level].push_if(leaves, *edge);
+                }
+            }
+        }
     }
 
     /// The samples of a level around a vertex, after the flood.
     pub(super) fn sample(&self, vertex: usize, level: usize, scratch: &mut Scratch) {
-        let centre = self.record(vertex);
-        let Scratch { flood, leaving, crossing, samples } = scratch;
-        crossing.clear();
-        for edge in leaving[..=level].iter().flat_map(List::as_slice) {
-            crossing.push_if(edge.to_level as usize > level, *edge);
+        let Scratch { flood, leaving, samples, .. } = scratch;
+        let records = &self.records[level][..];
+        let (centre, exponent) = (records[vertex], self.exponents[level]);
+        samples.clear();
+        let mut first = 0;
+        for reached in (0..=level).map(|level| flood.reached(level)) {
+            samples.extend_inside(first, reached, |reached| {
+                records[reached.vertex as usize].sample(&centre, exponent, reached.distance_squared)
+            });
+            first += reached.len();
         }
-        let count = (0..=level).map(|level| flood.reached(level).len()).sum();
-        let inside = (0..=level).flat_map(|level| flood.reached(level));
-        let inside = inside.map(|reached| self.at_vertex(reached, level, &centre));
-        let origin = self.distorted.positions[vertex];
-        let crossing = crossing.as_slice();
-        let leaving = crossing.iter().map(|edge| self.on_edge(edge, level, origin, &centre));
-        samples.fill((count, inside), (crossing.len(), leaving));
+        let radius_squared = self.spheres.radii_squared[level];
+        samples.extend_leaving(leaving[level].as_slice(), |&[from, to]| {
+            let (from, to) = (&records[from as usize], &records[to as usize]);
+            from.sample_on_edge(to, &centre, exponent, radius_squared)
+        });
     }
 
+    #[cfg(test)]
+    pub(super) fn record(&self, vertex: usize, level: usize) -> &Record {
+        &self.records[level][vertex]
+    }
+}
+
+impl Record {
     #[inline]
-    fn at_vertex(&self, reached: &Reached, level: usize, centre: &Record<'_>) -> Sample {
-        let exponent = self.exponents[level];
-        let record = self.record(reached.vertex as usize);
+    fn sample(&self, centre: &Self, exponent: f64, own_distance: f64) -> Sample {
         [
-            exponent * reached.distance_squared,
-            exponent * distance_squared(record.matched, centre.matched),
-            record.own[level] - centre.own[level],
-            record.other[level] - centre.other[level],
+            exponent * own_distance,
+            exponent * distance_squared(self.matched, centre.matched),
+            self.own - centre.own,
+            self.other - centre.other,
         ]
     }
 
-    /// The sample where an edge leaves the sphere of a level.
+    /// The sample where the edge to another vertex leaves the sphere.
     #[inline]
-    fn on_edge(&self, edge: &Leaving, level: usize, origin: Vec3, centre: &Record<'_>) -> Sample {
-        let positions = &self.distorted.positions;
-        let start = positions[edge.from as usize];
-        let (offset, along) = (sub(start, origin), sub(positions[edge.to as usize], start));
-        let t = clip(offset, length_squared(offset), along, self.spheres.radii_squared[level]);
-        let (from, to) = (self.record(edge.from as usize), self.record(edge.to as usize));
-        let between = |a: f64, b: f64, centre: f64| a + t * (b - a) - centre;
-        let matched = mul_add(from.matched, t, sub(to.matched, from.matched));
-        let exponent = self.exponents[level];
-        let own = exponent * length_squared(mul_add(offset, t, along));
+    fn sample_on_edge(
+        &self,
+        to: &Self,
+        centre: &Self,
+        exponent: f64,
+        radius_squared: f64,
+    ) -> Sample {
+        let offset = sub(self.position, centre.position);
+        let along = sub(to.position, self.position);
+        let (t, own_weight) = match clip(offset, along, radius_squared) {
+            Some(t) => (t, ON_SPHERE),
+            None => {
+                let t = clip_special(along);
+                (t, libm::exp(exponent * length_squared(mul_add(offset, t, along))))
+            }
+        };
+        let matched = mul_add(self.matched, t, sub(to.matched, self.matched));
         [
-            // On the sphere, but for edges that start on it or have no length.
-            if (own + 2.0).abs() < 1e-9 { ON_SPHERE } else { libm::exp(own) },
+            own_weight,
             exponent * distance_squared(matched, centre.matched),
-            between(from.own[level], to.own[level], centre.own[level]),
-            between(from.other[level], to.other[level], centre.other[level]),
+            self.own + t * (to.own - self.own) - centre.own,
+            self.other + t * (to.other - self.other) - centre.other,
         ]
     }
-
-    #[inline]
-    pub(super) fn record(&self, vertex: usize) -> Record<'_> {
-        let width = 3 + 2 * self.levels;
-        let record = &self.records[vertex * width..(vertex + 1) * width];
-        let (own, other) = record[3..].split_at(self.levels);
-        Record { matched: [record[0], record[1], record[2]], own, other }
-    }
-}
-
-/// A vertex of the distorted mesh.
-pub(super) struct Record<'a> {
-    pub(super) matched: Vec3,
-    pub(super) own: &'a [f64],
-    pub(super) other: &'a [f64],
-}
-
-/// An edge that leaves at least one sphere. Its start is in the sphere of the level that it is
-/// filed under.
-#[derive(Clone, Copy, Debug)]
-struct Leaving {
-    from: u32,
-    to: u32,
-    /// The first level whose sphere it does not leave; may be the number of levels.
-    to_level: u32,
 }
 
 /// Buffers of a thread.
 pub(super) struct Scratch {
     flood: Flood,
-    /// Per level the edges that start in its sphere, but in no smaller one.
-    leaving: Vec<List<Leaving>>,
-    /// The edges that leave the sphere of one level.
-    crossing: List<Leaving>,
-    pub(super) samples: Samples,
+    /// Per level the edges that start in its sphere, but in no smaller one, and may leave it.
+    candidates: Vec<List<[u32; 2]>>,
+    /// Per level the edges that leave its sphere: from a vertex inside to another.
+    leaving: Vec<List<[u32; 2]>>,
+    samples: Samples,
 }
 
 impl Scratch {
     pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
         Self {
             flood: Flood::new(vertex_count, levels),
+            candidates: vec![List::new(); levels],
             leaving: vec![List::new(); levels],
-            crossing: List::new(),
             samples: Samples::default(),
         }
+    }
+
+    /// How many samples a level has.
+    #[cfg(test)]
+    pub(super) fn count(&self, level: usize) -> usize {
+        let inside: usize = (0..=level).map(|level| self.flood.reached(level).len()).sum();
+        inside + self.leaving[level].as_slice().len()
     }
 }

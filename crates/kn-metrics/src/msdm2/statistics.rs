@@ -1,6 +1,6 @@
 //! Curvature statistics of two surfaces over a neighbourhood, and the distance they give.
 
-use super::exp::exp_in_place;
+use super::exp::exp_of_negative;
 
 /// Sums run in this many lanes, so that the compiler can vectorise them; the order is fixed.
 const LANES: usize = 4;
@@ -10,13 +10,22 @@ const LANES: usize = 4;
 /// variance which is small beside the mean.
 #[derive(Default)]
 pub(super) struct Samples {
+    blocks: Vec<Block>,
+    /// How many blocks of samples at vertices.
     inside: usize,
-    count: usize,
-    columns: [Vec<f64>; 4],
 }
 
-/// One sample: exponents of both Gaussian weights or the weights themselves, and both curvatures.
+/// Exponents of both Gaussian weights, and both curvatures.
 pub(super) type Sample = [f64; 4];
+
+/// The samples of all lanes, one number after the other. Where edges leave the sphere the first is
+/// the weight itself, since it is nearly always the same.
+type Block = [[f64; LANES]; 4];
+
+/// Samples without weight: at vertices, and where edges leave the sphere.
+const NO_VERTEX: Block =
+    [[f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
+const NO_EDGE: Block = [[0.0; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
 
 /// Weighted sums over samples a = C − C(v), b = Ĉ − Ĉ(v).
 #[derive(Default)]
@@ -32,57 +41,56 @@ pub(super) struct Moments {
 }
 
 impl Samples {
-    /// Takes `inside` samples at vertices, with the exponents of both weights, and as many others
-    /// as there are, with the first weight itself and the exponent of the second.
-    #[inline]
-    pub(super) fn fill(
-        &mut self,
-        inside: (usize, impl Iterator<Item = Sample>),
-        leaving: (usize, impl Iterator<Item = Sample>),
-    ) {
-        self.inside = inside.0;
-        self.count = inside.0 + leaving.0;
-        let padded = self.count.next_multiple_of(LANES);
-        for column in &mut self.columns {
-            column.resize(padded, 0.0);
-            column[self.count..].fill(0.0);
-        }
-        let [w1, w2, a, b] = &mut self.columns;
-        let rows = w1.iter_mut().zip(w2).zip(a.iter_mut().zip(b));
-        for (((w1, w2), (a, b)), sample) in rows.zip(inside.1.chain(leaving.1)) {
-            [*w1, *w2, *a, *b] = sample;
-        }
+    pub(super) fn clear(&mut self) {
+        self.blocks.clear();
     }
 
-    /// Weighted sums over all samples. Replaces the exponents.
-    pub(super) fn moments(&mut self) -> Moments {
-        let [w1, w2, a, b] = &mut self.columns;
-        exp_in_place(&mut w1[..self.inside]);
-        exp_in_place(&mut w2[..self.count]);
+    /// Takes a sample from each item, all at vertices. `first` of them were taken before.
+    #[inline]
+    pub(super) fn extend_inside<T>(
+        &mut self,
+        first: usize,
+        items: &[T],
+        sample: impl Fn(&T) -> Sample,
+    ) {
+        self.blocks.resize((first + items.len()).div_ceil(LANES), NO_VERTEX);
+        self.inside = self.blocks.len();
+        write(&mut self.blocks, first, items, sample);
+    }
+
+    /// Takes a sample from each item, all where edges leave the sphere, after those at vertices.
+    #[inline]
+    pub(super) fn extend_leaving<T>(&mut self, items: &[T], sample: impl Fn(&T) -> Sample) {
+        self.blocks.resize(self.inside + items.len().div_ceil(LANES), NO_EDGE);
+        write(&mut self.blocks[self.inside..], 0, items, sample);
+    }
+
+    /// Weighted sums over all samples.
+    pub(super) fn moments(&self) -> Moments {
         let mut moments = Moments::default();
-        let [w1, w2, a, b] = [w1, w2, a, b].map(|column| column.as_chunks::<LANES>().0);
-        for (((a, b), w1), w2) in a.iter().zip(b).zip(w1).zip(w2) {
-            moments.add_lanes(a, b, w1, w2);
+        let (inside, leaving) = self.blocks.split_at(self.inside);
+        for [w1, w2, a, b] in inside {
+            moments.add(a, b, &w1.map(exp_of_negative), &w2.map(exp_of_negative));
+        }
+        for [w1, w2, a, b] in leaving {
+            moments.add(a, b, w1, &w2.map(exp_of_negative));
         }
         moments
     }
+}
 
-    /// How many samples there are.
-    #[cfg(test)]
-    pub(super) fn count(&self) -> usize {
-        self.count
+#[inline(always)]
+fn write<T>(blocks: &mut [Block], first: usize, items: &[T], sample: impl Fn(&T) -> Sample) {
+    for (index, item) in (first..).zip(items) {
+        let [w1, w2, a, b] = &mut blocks[index / LANES];
+        let lane = index % LANES;
+        [w1[lane], w2[lane], a[lane], b[lane]] = sample(item);
     }
 }
 
 impl Moments {
     #[inline]
-    fn add_lanes(
-        &mut self,
-        a: &[f64; LANES],
-        b: &[f64; LANES],
-        w1: &[f64; LANES],
-        w2: &[f64; LANES],
-    ) {
+    fn add(&mut self, a: &[f64; LANES], b: &[f64; LANES], w1: &[f64; LANES], w2: &[f64; LANES]) {
         for lane in 0..LANES {
             let (a, b, w1, w2) = (a[lane], b[lane], w1[lane], w2[lane]);
             let (w1_a, w2_b) = (w1 * a, w2 * b);
