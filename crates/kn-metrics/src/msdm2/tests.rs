@@ -188,12 +188,14 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
         let vertex = row[0] as usize;
         let mean = direction.local(vertex, &mut scratch);
         assert!(near(mean, row[17]), "vertex {vertex}: {mean} instead of {}", row[17]);
-        let record = direction.record(vertex);
         for level in 0..DEFAULT_LEVELS {
             let stage = &row[5 + 4 * level..];
-            assert!(near(record.own[level], stage[0]), "vertex {vertex}, level {level}");
-            assert!(near(record.other[level], stage[1]), "vertex {vertex}, level {level}");
-            assert_eq!(scratch.count(level), stage[2] as usize, "vertex {vertex}, level {level}");
+            let record = direction.record(vertex, level);
+            assert!(near(record.own, stage[0]), "vertex {vertex}, level {level}");
+            assert!(near(record.other, stage[1]), "vertex {vertex}, level {level}");
+            direction.sample(vertex, level, &mut scratch);
+            let count = scratch.count(level);
+            assert_eq!(count, stage[2] as usize, "vertex {vertex}, level {level}");
         }
     }
 }
