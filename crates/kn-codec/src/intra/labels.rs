@@ -1,8 +1,7 @@
 //! Coding of vertex labels along the positions' traversal (`spec/05-intra.md`). One function is
 //! encoder and decoder.
 
-use super::conquest::{next, prev};
-use super::surface::Surface;
+use super::surface::{Spoke, Surface};
 use kn_bitstream::range::{BinaryCoder, BitModel};
 
 /// Adaptive models of labels.
@@ -95,7 +94,7 @@ impl LabelTraversal {
         }
         while let Some(&state) = self.state.get(self.seed_vertex as usize) {
             let vertex = self.seed_vertex;
-            if state != State::Known && !surface.conquest.dummy[vertex as usize] {
+            if state != State::Known && !surface.is_dummy(vertex) {
                 return Some(vertex);
             }
             self.seed_vertex += 1;
@@ -106,9 +105,8 @@ impl LabelTraversal {
     /// Notes that `vertex` has `label`, and who its neighbours are.
     fn settle(&mut self, surface: &Surface, vertex: u32, label: u8) {
         self.state[vertex as usize] = State::Known;
-        for h in surface.fan(vertex) {
-            let neighbour = surface.conquest.origin[next(h) as usize];
-            if surface.conquest.dummy[neighbour as usize] {
+        for &Spoke { neighbour, .. } in surface.ring(vertex) {
+            if surface.is_dummy(neighbour) {
                 continue;
             }
             let state = &mut self.state[neighbour as usize];
@@ -132,8 +130,7 @@ impl LabelTraversal {
 
     fn vote(&self, surface: &Surface, labels: &[u8], vertex: u32) -> Vote {
         let mut vote = Vote::default();
-        for h in surface.fan(vertex) {
-            let neighbour = surface.conquest.origin[next(h) as usize];
+        for &Spoke { neighbour, .. } in surface.ring(vertex) {
             if self.is_known(neighbour) {
                 vote.add(labels[neighbour as usize]);
             }
@@ -150,10 +147,9 @@ impl LabelTraversal {
             _ => 0,
         };
         let mut sum = 0;
-        for h in surface.fan(vertex) {
-            let a = surface.conquest.origin[next(h) as usize];
-            let b = surface.conquest.origin[prev(h) as usize];
-            let c = surface.across(next(h));
+        let ring = surface.ring(vertex);
+        for (spoke, next) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+            let (a, b, c) = (spoke.neighbour, next.neighbour, spoke.across);
             if self.is_known(a) && self.is_known(b) && self.is_known(c) {
                 sum += indicator(a) + indicator(b) - indicator(c);
             }
