@@ -5,10 +5,12 @@ mod encoder;
 mod group;
 mod motion;
 mod nodes;
+mod preset;
 mod quantise;
 mod report;
 mod sequence;
 
 pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
 pub use encoder::{Encoder, Finished};
+pub use preset::Preset;
 pub use report::{FrameReport, Summary};

@@ -9,20 +9,20 @@ use kn_mesh::io::Inputs;
 use std::path::PathBuf;
 
 /// What is known about a sequence before it is encoded.
-pub(super) struct Survey {
+pub(crate) struct Survey {
     /// The file of each frame.
-    pub(super) files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     /// The name of each frame, without extension.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
     /// The box of all frames.
-    pub(super) bounds: Option<BoundingBox>,
+    pub(crate) bounds: Option<BoundingBox>,
     /// Whether every frame has labels.
-    pub(super) labelled: bool,
+    pub(crate) labelled: bool,
 }
 
 impl Survey {
     /// Reads every frame once.
-    pub(super) fn new(inputs: &Inputs, global: &Global) -> Result<Self> {
+    pub(crate) fn new(inputs: &Inputs, global: &Global) -> Result<Self> {
         let bar = progress::bar(global, "reading", Some(inputs.len() as u64));
         let mut survey =
             Self { files: Vec::new(), names: Vec::new(), bounds: None, labelled: true };
@@ -42,7 +42,7 @@ impl Survey {
     }
 
     /// Adds the file's name to an encoder's error about a frame.
-    pub(super) fn name_file(&self, error: anyhow::Error) -> anyhow::Error {
+    pub(crate) fn name_file(&self, error: anyhow::Error) -> anyhow::Error {
         let frame = match error.downcast_ref() {
             Some(EncodeError::Input { frame, .. }) => usize::try_from(*frame).ok(),
             _ => None,
