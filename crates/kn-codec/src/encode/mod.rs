@@ -1,6 +1,7 @@
 //! Frames in, stream out.
 
 mod config;
+mod decimate;
 mod encoder;
 mod group;
 mod motion;
@@ -10,7 +11,8 @@ mod quantise;
 mod report;
 mod sequence;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
+pub use config::{AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern};
+pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;
 pub use report::{FrameReport, Summary};

@@ -112,6 +112,7 @@ struct IntraEncoder<'a> {
     /// `#M` input vertex of each vertex of the conquest; [`NONE`] for a dummy.
     source: Vec<u32>,
     surface: Surface,
+    points: Vec<Point>,
     vertex_map: Vec<u32>,
     isolated: Vec<u32>,
 }
@@ -133,6 +134,7 @@ impl<'a> IntraEncoder<'a> {
             conquest: Conquest::default(),
             source: Vec::new(),
             surface: Surface::default(),
+            points: Vec::new(),
             vertex_map: vec![NONE; mesh.positions.len()],
             isolated: Vec::new(),
         }
@@ -230,11 +232,11 @@ impl<'a> IntraEncoder<'a> {
             NONE => Point::default(),
             vertex => Point { position: coded(vertex), error: 0 },
         };
-        let mut points: Vec<_> = self.source.iter().map(point).collect();
+        self.points = self.source.iter().map(point).collect();
         let mut models = GeometryModels::default();
         let mut traversal = Traversal::default();
         let mut last =
-            code_positions(coder, &mut models, &self.surface, &mut traversal, &mut points)?;
+            code_positions(coder, &mut models, &self.surface, &mut traversal, &mut self.points)?;
         for &vertex in &self.isolated {
             let own = coded(vertex);
             last = models.code_unsupported(coder, &Prediction::default(), last, own)?;
@@ -250,7 +252,14 @@ impl<'a> IntraEncoder<'a> {
         let mut labels: Vec<_> = self.source.iter().map(label).collect();
         let mut models = LabelModels::default();
         let mut traversal = LabelTraversal::default();
-        let mut last = code_labels(coder, &mut models, &self.surface, &mut traversal, &mut labels);
+        let mut last = code_labels(
+            coder,
+            &mut models,
+            &self.surface,
+            &mut traversal,
+            &mut labels,
+            &self.points,
+        );
         for &vertex in &self.isolated {
             last = models.code_isolated(coder, last, self.mesh.labels[vertex as usize]);
         }
