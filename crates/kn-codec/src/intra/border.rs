@@ -2,10 +2,14 @@
 //! it (`spec/05-intra.md`). Binary64 in the written order.
 
 use super::predict::Point;
-use super::surface::Surface;
+use super::surface::{Spoke, Surface};
 
 /// How many edges away a known vertex may be.
 const RINGS: usize = 4;
+/// A search ends with so many vertices, and looks at so many neighbours of each: vertices with very
+/// many triangles shall not make it slow.
+const MOST_FOUND: usize = 256;
+const MOST_SPOKES: usize = 32;
 /// A vertex at the centre weighs four times more than one at the mean distance, nearly.
 const NEARNESS: f64 = 0.25;
 /// How steep a border may be, against what is known of it.
@@ -30,7 +34,8 @@ impl Neighbourhood {
         self.search = 0;
     }
 
-    /// Vertices up to [`RINGS`] edges from `vertex`, itself first, breadth first; no dummies.
+    /// Vertices up to [`RINGS`] edges from `vertex`, itself first, breadth first; no dummies, and at
+    /// most [`MOST_FOUND`].
     pub(super) fn gather(&mut self, surface: &Surface, vertex: u32) -> &[u32] {
         self.search += 1;
         self.found.clear();
@@ -40,8 +45,11 @@ impl Neighbourhood {
         for _ in 0..RINGS {
             let to = self.found.len();
             for place in from..to {
-                for spoke in surface.ring(self.found[place]) {
+                for spoke in near_ring(surface, self.found[place]) {
                     let met = &mut self.met[spoke.neighbour as usize];
+                    if self.found.len() == MOST_FOUND {
+                        return &self.found;
+                    }
                     if *met != self.search && !surface.is_dummy(spoke.neighbour) {
                         *met = self.search;
                         self.found.push(spoke.neighbour);
@@ -52,6 +60,12 @@ impl Neighbourhood {
         }
         &self.found
     }
+}
+
+/// The first neighbours of a vertex.
+pub(super) fn near_ring(surface: &Surface, vertex: u32) -> &[Spoke] {
+    let ring = surface.ring(vertex);
+    &ring[..ring.len().min(MOST_SPOKES)]
 }
 
 /// The context of a vertex at `own`: the value there of the linear function that fits `samples`,

@@ -1,7 +1,7 @@
 //! Coding of vertex labels along the positions' traversal (`spec/05-intra.md`). One function is
 //! encoder and decoder.
 
-use super::border::{LEANS, Neighbourhood, lean};
+use super::border::{LEANS, Neighbourhood, lean, near_ring};
 use super::predict::Point;
 use super::surface::{Spoke, Surface};
 use kn_bitstream::range::{BinaryCoder, BitModel};
@@ -162,7 +162,7 @@ impl LabelTraversal {
             let differs = |spoke: &Spoke| {
                 is_known(spoke.neighbour) && labels[spoke.neighbour as usize] != label
             };
-            if !is_known(near) || !surface.ring(near).iter().any(differs) {
+            if !is_known(near) || !near_ring(surface, near).iter().any(differs) {
                 continue;
             }
             if label == vote.first.0 {
