@@ -3,7 +3,7 @@
 mod output;
 
 use crate::arguments::{FrameRange, Global};
-use crate::distortion::{self, Depth, Scale, Surface};
+use crate::distortion::{self, Measures, Scale, Surface};
 use crate::output::write_file;
 use crate::sequence::{Frame, Reader, Sequence};
 use crate::{Outcome, heatmap, progress, stream};
@@ -116,7 +116,7 @@ impl CompareArguments {
     ) -> Result<Comparison> {
         let scale = Scale::from(*bounds);
         let fast = self.fast || self.part.is_some();
-        let depth = if fast { Depth::Distance } else { Depth::All };
+        let measures = if fast { Measures::DISTANCE } else { Measures::ALL };
         let bar = progress::bar(global, "measuring", None);
         let (mut left, mut right) = (reference.reader()?, other.reader()?);
         let mut frames = Vec::new();
@@ -127,12 +127,12 @@ impl CompareArguments {
             if !self.frames.contains(a.index) {
                 continue;
             }
-            let surfaces = (surface(&a, depth)?, surface(&b, depth)?);
+            let surfaces = (surface(&a, measures)?, surface(&b, measures)?);
             if frames.is_empty() {
                 self.draw((&a, &surfaces.0), (&b, &surfaces.1), bounds)?;
             }
             let distortion = match self.part {
-                None => distortion::measure(&surfaces.0, &surfaces.1, &scale, depth),
+                None => distortion::measure(&surfaces.0, &surfaces.1, &scale, measures),
                 Some(part) => {
                     let parts = [faces_of(&a, part)?, faces_of(&b, part)?];
                     let parts = [&parts[0][..], &parts[1][..]];
@@ -202,7 +202,7 @@ impl CompareArguments {
     }
 }
 
-fn surface(frame: &Frame, depth: Depth) -> Result<Surface> {
-    Surface::new(&frame.mesh, depth)
+fn surface(frame: &Frame, measures: Measures) -> Result<Surface> {
+    Surface::new(&frame.mesh, measures)
         .with_context(|| format!("{}: frame {}", frame.file, frame.index))
 }

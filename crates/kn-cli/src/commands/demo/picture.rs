@@ -1,7 +1,7 @@
 //! The demo's picture: scans, decoded frames and their error, side by side.
 
 use super::DecodedFrame;
-use crate::distortion::{Depth, Surface};
+use crate::distortion::{Measures, Surface};
 use crate::heatmap;
 use crate::picture::{Canvas, Sheet, View};
 use crate::stream::kind_letter;
@@ -26,8 +26,8 @@ pub(super) fn draw(
     let millimetres = |distance: f64| 1e3 * distance;
     let mut errors = Vec::new();
     for &index in &shown {
-        let reference = Surface::new(&scans[index], Depth::Distance)?;
-        let surface = Surface::new(&decoded[index].mesh, Depth::Distance)?;
+        let reference = Surface::new(&scans[index], Measures::DISTANCE)?;
+        let surface = Surface::new(&decoded[index].mesh, Measures::DISTANCE)?;
         errors.push(reference.distances_of(&surface).into_iter().map(millimetres).collect());
     }
     let end = heatmap::scale_end(errors.iter().map(|error: &Vec<f64>| &error[..]));
