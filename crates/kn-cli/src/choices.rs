@@ -6,6 +6,7 @@ use kn_codec::{AffineChoice, Preset, UnitOfLength};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -19,6 +20,21 @@ pub(crate) struct FrameRate {
 impl FrameRate {
     pub(crate) fn per_second(self) -> f64 {
         f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}
+
+impl Default for FrameRate {
+    fn default() -> Self {
+        Self { numerator: 30, denominator: 1 }
+    }
+}
+
+impl fmt::Display for FrameRate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.denominator {
+            1 => write!(f, "{}", self.numerator),
+            denominator => write!(f, "{}/{denominator}", self.numerator),
+        }
     }
 }
 

@@ -5,8 +5,8 @@ use anyhow::Result;
 use kn_mesh::{BoundingBox, Mesh};
 use std::io::Write;
 
-/// Width and height of one picture.
-const PICTURE: [usize; 2] = [170, 215];
+/// Width and height of one picture on a sheet.
+pub(crate) const PICTURE: [usize; 2] = [170, 215];
 
 /// A round number of world units that the largest of nearly all errors stays below: the end of
 /// the colour scale. A few outliers must not make the rest look perfect.
@@ -19,7 +19,7 @@ pub(crate) fn scale_end<'e>(errors: impl Iterator<Item = &'e [f64]>) -> f64 {
 }
 
 /// The next of 1, 2, 5, 10, ... times a power of ten.
-fn round_up(value: f64) -> f64 {
+pub(crate) fn round_up(value: f64) -> f64 {
     if value <= 0.0 || !value.is_finite() {
         return 1.0;
     }
@@ -29,14 +29,20 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// The mesh as it is.
-pub(crate) fn plain(mesh: &Mesh, view: &View) -> Canvas {
-    render(mesh, Paint::Plain(CLAY), view, PICTURE)
+pub(crate) fn plain(mesh: &Mesh, view: &View, size: [usize; 2]) -> Canvas {
+    render(mesh, Paint::Plain(CLAY), view, size)
 }
 
 /// The mesh coloured by `errors` (`#V`, world units) from 0 to `end`.
-pub(crate) fn coloured(mesh: &Mesh, errors: &[f64], end: f64, view: &View) -> Canvas {
+pub(crate) fn coloured(
+    mesh: &Mesh,
+    errors: &[f64],
+    end: f64,
+    view: &View,
+    size: [usize; 2],
+) -> Canvas {
     let colours: Vec<_> = errors.iter().map(|error| colour_of((error / end) as f32)).collect();
-    render(mesh, Paint::PerVertex(&colours), view, PICTURE)
+    render(mesh, Paint::PerVertex(&colours), view, size)
 }
 
 /// What is written at the scale.
@@ -57,7 +63,8 @@ pub(crate) fn turntable(
     let end = scale_end(sides.iter().map(|side| side.2));
     let views = TURNS.map(|degrees| View::new(bounds, UP_AXIS, degrees));
     let row = |(name, mesh, errors): (&str, &Mesh, &[f64])| {
-        let pictures = views.iter().map(|view| coloured(mesh, errors, end, view)).collect();
+        let pictures =
+            views.iter().map(|view| coloured(mesh, errors, end, view, PICTURE)).collect();
         (name.to_owned(), pictures)
     };
     let sheet = Sheet {
