@@ -209,9 +209,8 @@ fn mistakes_are_found_before_any_work() {
 #[test]
 fn an_input_that_is_not_there_is_named() {
     let performer = "performer = { motion = \"dance\", frames = 3, vertices = 1000, holes = 1 }";
-    let message = |source: &str| {
-        fails(Study::new(&CONFIG.replace(performer, source), TABLE).arguments(&[]))
-    };
+    let message =
+        |source: &str| fails(Study::new(&CONFIG.replace(performer, source), TABLE).arguments(&[]));
     let empty = message("input = 'scan/*.obj'");
     assert!(empty.contains("sequence 'dance'") && empty.contains("scan/*.obj"), "{empty}");
     let unset = message("input = '${KN_NOT_SET}/*.obj'");
