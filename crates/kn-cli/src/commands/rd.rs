@@ -1,6 +1,7 @@
 //! `kn rd`: the rate-distortion laboratory.
 
 mod cell;
+mod clock;
 mod config;
 mod curves;
 mod deltas;

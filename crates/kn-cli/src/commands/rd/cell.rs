@@ -1,5 +1,6 @@
 //! A cell of the matrix: one sequence, one codec, one rate point.
 
+use super::clock::timed;
 use super::config::{CodecEntry, CodecLabels, RateEntry, SequenceEntry, merged};
 use super::results::{CellResult, FrameResult};
 use super::sequences::{Sequence, hex};
@@ -13,7 +14,6 @@ use kn_codec::{Encoder, EncoderConfig};
 use kn_mesh::Mesh;
 use sha2::{Digest, Sha256};
 use std::path::Path;
-use std::time::Instant;
 
 /// Changes when the same cell would be measured or written differently.
 const FORMAT: u32 = 1;
@@ -94,7 +94,7 @@ impl<'p> Cell<'p> {
         Ok(result)
     }
 
-    /// Writes the stream; returns the seconds inside the encoder.
+    /// Writes the stream; returns the processor seconds inside the encoder.
     fn encode(&self, path: &Path) -> Result<f64> {
         let mut seconds = 0.0;
         write_file(path, |out| {
@@ -138,13 +138,6 @@ impl<'p> Cell<'p> {
         ensure!(more.is_none(), "the stream has more frames than the sequence");
         Ok(())
     }
-}
-
-fn timed<T>(seconds: &mut f64, step: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let value = step();
-    *seconds += start.elapsed().as_secs_f64();
-    value
 }
 
 /// A word as a shell takes it.

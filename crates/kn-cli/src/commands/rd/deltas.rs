@@ -122,7 +122,7 @@ mod tests {
         Curve {
             sequence: "s".into(),
             codec: codec.into(),
-            foreign: true,
+            foreign: false,
             points: points.iter().map(point).collect(),
         }
     }

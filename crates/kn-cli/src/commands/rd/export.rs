@@ -51,7 +51,7 @@ fn write_rows(out: &mut dyn std::io::Write, study: &Study) -> Result<()> {
         "predicted_bytes",
         "mbit_per_s",
     ];
-    let seconds = ["encode_seconds", "decode_seconds"];
+    let seconds = ["encode_cpu_seconds", "decode_cpu_seconds"];
     let metrics = Metric::ALL.map(Metric::name);
     rows.write_record(own.iter().chain(&metrics).chain(&seconds).chain(&["key"]))?;
     for cell in &study.cells {

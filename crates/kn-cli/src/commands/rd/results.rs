@@ -72,7 +72,7 @@ pub(super) struct CellResult {
     pub(super) settings: String,
     /// The whole file.
     pub(super) bytes: u64,
-    /// Wall-clock seconds with so many threads: encoding, decoding, measuring.
+    /// Processor seconds on so many threads: encoding, decoding, measuring.
     pub(super) threads: usize,
     pub(super) encode_seconds: f64,
     pub(super) decode_seconds: f64,

@@ -10,6 +10,8 @@ const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 360.0;
 /// Room for the axes: left, right, top, bottom.
 const MARGINS: [f64; 4] = [62.0, 14.0, 12.0, 46.0];
+/// A rate axis has at least so many ticks, and at most about twice as many.
+const ENOUGH_TICKS: usize = 4;
 
 /// A curve with its look.
 pub(super) struct Line<'c> {
@@ -189,7 +191,8 @@ fn tick_step(range: f64) -> f64 {
         .unwrap_or(rough)
 }
 
-/// 1, 2 and 5 times the powers of ten between two logarithms; all digits where those are few.
+/// Round numbers between two logarithms: 1, 2 and 5 times the powers of ten, more digits where
+/// those are few.
 fn rate_ticks([low, high]: [f64; 2]) -> Vec<f64> {
     let with = |digits: &[f64]| -> Vec<f64> {
         let powers = (low.floor() as i32..=high.floor() as i32).map(|power| 10.0_f64.powi(power));
@@ -198,23 +201,16 @@ fn rate_ticks([low, high]: [f64; 2]) -> Vec<f64> {
         let clean = all.map(|tick| format!("{tick:.3e}").parse().unwrap_or(tick));
         clean.filter(|tick: &f64| (low..=high).contains(&tick.log10())).collect()
     };
-    let few = with(&[1.0, 2.0, 5.0]);
-    let some = with(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]);
-    match (few.len() >= 3, some.len() >= 3) {
-        (true, _) => few,
-        (false, true) => some,
-        (false, false) => {
-            let tenths: Vec<f64> = (10..100).map(|tenth| f64::from(tenth) / 10.0).collect();
-            let mut all = with(&tenths);
-            let skip = all.len().div_ceil(8).max(1);
-            let mut index = 0;
-            all.retain(|_| {
-                index += 1;
-                (index - 1) % skip == 0
-            });
-            all
+    for digits in [&[1.0, 2.0, 5.0][..], &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]] {
+        let ticks = with(digits);
+        if ticks.len() >= ENOUGH_TICKS {
+            return ticks;
         }
     }
+    let tenths: Vec<f64> = (10..100).map(|tenth| f64::from(tenth) / 10.0).collect();
+    let ticks = with(&tenths);
+    let skip = ticks.len().div_ceil(2 * ENOUGH_TICKS).max(1);
+    ticks.into_iter().step_by(skip).collect()
 }
 
 /// Decimals that tell the ticks apart.

@@ -28,10 +28,12 @@ impl fmt::Display for Escaped<'_> {
     }
 }
 
-/// A number with so many decimals and a true minus sign; a dash where there is none.
+/// A number with so many decimals and a true minus sign; a dash where there is none. Only decibels
+/// of equal meshes are infinite.
 pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     match value {
-        Some(value) => format!("{value:.digits$}").replace('-', "\u{2212}"),
+        Some(value) if value.is_finite() => format!("{value:.digits$}").replace('-', "\u{2212}"),
+        Some(_) => "\u{221e}".into(),
         None => "\u{2013}".into(),
     }
 }

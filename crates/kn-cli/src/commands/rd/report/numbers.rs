@@ -12,14 +12,13 @@ pub(super) fn cells(material: &Material<'_>) -> String {
     let qualities = curves::qualities(material.curves);
     let mut html = String::from(
         "<h2>All streams</h2>\n<p class=\"soft\">Bytes are means over frames: all (with header \
-         and index), I-frames, P-frames with their key nodes. Seconds are wall-clock time \
-         inside the encoder and the decoder with the given number of threads, while other streams \
-         were encoded on the other processors.</p>\n",
+         and index), I-frames, P-frames with their key nodes. Seconds are processor \
+         time inside the encoder and the decoder, summed over the given number of threads.</p>\n",
     );
     let titles = ["codec", "point", "bytes a frame", "Mbit/s", "I-frame", "P-frame"];
     let mut titles: Vec<String> = titles.map(String::from).into();
     titles.extend(qualities.iter().map(|quality| quality.title().into()));
-    titles.extend(["encode, s a frame", "decode, ms a frame", "threads"].map(String::from));
+    titles.extend(["encode, CPU s a frame", "decode, CPU ms a frame", "threads"].map(String::from));
     for sequence in &material.study.sequences {
         let label = if sequence.labelled { "labels" } else { "no labels" };
         html.push_str(&format!(
