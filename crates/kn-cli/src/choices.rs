@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kn_codec::{AffineChoice, Preset, UnitOfLength};
+use kn_codec::{AffineChoice, Preset, SmoothingChoice, TranslationChoice, UnitOfLength};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
@@ -128,6 +128,36 @@ impl From<AffineArgument> for AffineChoice {
             AffineArgument::Labels => Self::Labels(vec![TORSO]),
             AffineArgument::All => Self::All,
         }
+    }
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TranslationArgument {
+    /// Nothing
+    Direct,
+    /// Spatial in the first P-frame of a group, spatio-temporal in the others
+    Paper,
+    /// In every frame the mode with the fewest bits
+    Cost,
+}
+
+impl From<TranslationArgument> for TranslationChoice {
+    fn from(argument: TranslationArgument) -> Self {
+        match argument {
+            TranslationArgument::Direct => Self::Direct,
+            TranslationArgument::Paper => Self::Paper,
+            TranslationArgument::Cost => Self::Cost,
+        }
+    }
+}
+
+/// Reads `auto` or a strength.
+pub(crate) fn smoothing(text: &str) -> Result<SmoothingChoice, String> {
+    match (text, text.parse()) {
+        ("auto", _) => Ok(SmoothingChoice::Auto),
+        (_, Ok(strength @ 0..=5)) => Ok(SmoothingChoice::Strength(strength)),
+        _ => Err("smoothing is auto or 0 to 5".into()),
     }
 }
 

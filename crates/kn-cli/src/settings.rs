@@ -1,11 +1,11 @@
 //! The codec's settings: flags of `kn encode` and, under the same names, keys of a `kn rd`
 //! configuration.
 
-use crate::choices::{self, AffineArgument, InfluenceArgument};
+use crate::choices::{self, AffineArgument, InfluenceArgument, TranslationArgument};
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
-use kn_codec::{EncoderConfig, GridChoice};
+use kn_codec::{EncoderConfig, GridChoice, SmoothingChoice};
 use kn_deform::{Combination, WeightScheme};
 use kn_mesh::BoundingBox;
 
@@ -33,6 +33,13 @@ pub(crate) struct Settings {
     /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
     #[arg(long, value_parser = choices::combination)]
     combination: Option<Combination>,
+    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    /// [default: cost]
+    #[arg(long, value_enum)]
+    translation: Option<TranslationArgument>,
+    /// How strongly decoded I-frames are smoothed: auto, or 0 (not at all) to 5 [default: auto]
+    #[arg(long, value_name = "AUTO|N", value_parser = choices::smoothing)]
+    smoothing: Option<SmoothingChoice>,
     /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
     #[arg(long, value_parser = choices::weights)]
     weights: Option<WeightScheme>,
@@ -61,6 +68,8 @@ impl Settings {
         config.nodes = self.nodes.map_or(config.nodes, usize::from);
         config.influence = self.influence.map_or(config.influence, Into::into);
         config.combination = self.combination.unwrap_or(config.combination);
+        config.translation = self.translation.map_or(config.translation, Into::into);
+        config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);
         config.motion_step = self.motion_step.unwrap_or(config.motion_step);
         if let Some(affine) = self.affine {

@@ -9,8 +9,12 @@ mod preset;
 mod quantise;
 mod report;
 mod sequence;
+mod smoothing;
+mod translation;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
+pub use config::{
+    AffineChoice, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, TranslationChoice,
+};
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;
 pub use report::{FrameReport, Summary};
