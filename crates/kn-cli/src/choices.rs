@@ -8,6 +8,7 @@ use kn_codec::{
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -21,6 +22,21 @@ pub(crate) struct FrameRate {
 impl FrameRate {
     pub(crate) fn per_second(self) -> f64 {
         f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}
+
+impl Default for FrameRate {
+    fn default() -> Self {
+        Self { numerator: 30, denominator: 1 }
+    }
+}
+
+impl fmt::Display for FrameRate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.denominator {
+            1 => write!(f, "{}", self.numerator),
+            denominator => write!(f, "{}/{denominator}", self.numerator),
+        }
     }
 }
 
@@ -117,15 +133,6 @@ impl From<AffineArgument> for AffineChoice {
     }
 }
 
-/// How strongly I-frames are smoothed: `auto` or 0 to 5.
-pub(crate) fn smoothing(text: &str) -> Result<SmoothingChoice, String> {
-    match (text, text.parse()) {
-        ("auto", _) => Ok(SmoothingChoice::Auto),
-        (_, Ok(strength @ 0..=5)) => Ok(SmoothingChoice::Strength(strength)),
-        _ => Err("neither auto nor 0 to 5".to_owned()),
-    }
-}
-
 /// What translations are predicted from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TranslationArgument {
@@ -144,6 +151,15 @@ impl From<TranslationArgument> for TranslationChoice {
             TranslationArgument::Paper => Self::Paper,
             TranslationArgument::Cost => Self::Cost,
         }
+    }
+}
+
+/// Reads `auto` or a strength.
+pub(crate) fn smoothing(text: &str) -> Result<SmoothingChoice, String> {
+    match (text, text.parse()) {
+        ("auto", _) => Ok(SmoothingChoice::Auto),
+        (_, Ok(strength @ 0..=5)) => Ok(SmoothingChoice::Strength(strength)),
+        _ => Err("smoothing is auto or 0 to 5".into()),
     }
 }
 

@@ -182,6 +182,14 @@ impl Surface {
         Ok(Self { positions, faces, tree, perceptual })
     }
 
+    /// Values of MSDM2 on the vertices of both, `other` against this one: `#V` of this one, `#V` of
+    /// `other`. `None` where either is not prepared for MSDM2.
+    pub(crate) fn local_msdm2(&self, other: &Self) -> Option<[Vec<f64>; 2]> {
+        let (reference, other) = (self.perceptual.as_ref()?, other.perceptual.as_ref()?);
+        let found = msdm2(reference, other, Interpolation::AtVertex);
+        Some([found.backward.local, found.forward.local])
+    }
+
     /// `#V of other` distances from the vertices of `other` to this surface, world units.
     pub(crate) fn distances_of(&self, other: &Self) -> Vec<f64> {
         let distance = |closest: Closest| closest.distance_squared.sqrt();

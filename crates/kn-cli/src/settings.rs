@@ -28,9 +28,6 @@ pub(crate) struct Settings {
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
     #[arg(value_parser = choices::length)]
     iframe_error: Option<f64>,
-    /// Smooth I-frames within half a grid step: auto, or 0 (not at all) to 5 [default: auto]
-    #[arg(long, value_name = "auto|N", value_parser = choices::smoothing)]
-    smoothing: Option<SmoothingChoice>,
     /// Key nodes in a group [default: the preset's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     nodes: Option<u16>,
@@ -43,6 +40,13 @@ pub(crate) struct Settings {
     /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
     #[arg(long, value_parser = choices::combination)]
     combination: Option<Combination>,
+    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    /// [default: cost]
+    #[arg(long, value_enum)]
+    translation: Option<TranslationArgument>,
+    /// How strongly decoded I-frames are smoothed: auto, or 0 (not at all) to 5 [default: auto]
+    #[arg(long, value_name = "AUTO|N", value_parser = choices::smoothing)]
+    smoothing: Option<SmoothingChoice>,
     /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
     #[arg(long, value_parser = choices::weights)]
     weights: Option<WeightScheme>,
@@ -52,9 +56,6 @@ pub(crate) struct Settings {
     /// Quantiser step of translations in grid steps; the other steps follow from it [default: 1]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     motion_step: Option<f64>,
-    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
-    #[arg(long, value_enum)]
-    translation: Option<TranslationArgument>,
 }
 
 impl Settings {
@@ -77,10 +78,10 @@ impl Settings {
         config.nodes = self.nodes.map_or(config.nodes, usize::from);
         config.influence = self.influence.map_or(config.influence, Into::into);
         config.combination = self.combination.unwrap_or(config.combination);
+        config.translation = self.translation.map_or(config.translation, Into::into);
+        config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);
         config.motion_step = self.motion_step.unwrap_or(config.motion_step);
-        config.smoothing = self.smoothing.unwrap_or(config.smoothing);
-        config.translation = self.translation.map_or(config.translation, Into::into);
         if let Some(affine) = self.affine {
             config.affine = affine.into();
         }

@@ -192,6 +192,7 @@ impl EncodeArguments {
             "influence": format!("{:?}", config.influence).to_lowercase(),
             "affine": affine_name(&config.affine),
             "combination": config.combination.name(),
+            "translation": format!("{:?}", config.translation).to_lowercase(),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }

@@ -102,6 +102,8 @@ impl GroupEncoder {
         let encoding = encoding.map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
         let smoothing = match self.config.smoothing {
+            // Positions are the input's to the last bit.
+            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
             SmoothingChoice::Strength(strength) => strength,
             SmoothingChoice::Auto => {
                 let unit = f64::from(1_u32 << self.header.fraction_bits);

@@ -1,7 +1,7 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{AffineChoice, EncoderConfig};
+use crate::encode::config::{AffineChoice, EncoderConfig, TranslationChoice};
 use kn_deform::{InfluenceMode, WeightScheme};
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
@@ -16,17 +16,19 @@ pub struct Preset {
 const PRESETS: &[Preset] = &[
     Preset {
         name: "bimodal",
-        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights",
+        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights, the cheapest \
+                prediction of translations",
         change: |_| {},
     },
     Preset {
         name: "baseline",
-        about: "the earlier key-node codec: rigid everywhere, twice the nodes, its weights \
-                (Sumner's stand in for them)",
+        about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
+                prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
             config.affine = AffineChoice::None;
             config.nodes = 2 * EncoderConfig::default().nodes;
             config.weights = WeightScheme::Sumner;
+            config.translation = TranslationChoice::Direct;
         },
     },
     Preset {
@@ -43,6 +45,17 @@ const PRESETS: &[Preset] = &[
         name: "affine",
         about: "bimodal with affine nodes everywhere",
         change: |config| config.affine = AffineChoice::All,
+    },
+    Preset {
+        name: "translation-direct",
+        about: "bimodal without prediction of translations",
+        change: |config| config.translation = TranslationChoice::Direct,
+    },
+    Preset {
+        name: "translation-paper",
+        about: "bimodal with the paper's prediction: spatial in the first P-frame of a group, \
+                spatio-temporal in the others",
+        change: |config| config.translation = TranslationChoice::Paper,
     },
     Preset {
         name: "weights-sumner",

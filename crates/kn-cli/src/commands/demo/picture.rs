@@ -2,7 +2,7 @@
 
 use super::DecodedFrame;
 use crate::distortion::{Measures, Surface};
-use crate::heatmap;
+use crate::heatmap::{self, PICTURE};
 use crate::picture::{Canvas, Sheet, View};
 use crate::stream::kind_letter;
 use crate::table::grouped;
@@ -36,12 +36,12 @@ pub(super) fn draw(
         let info = &decoded[index].info;
         format!("{} {index}: {} bytes", kind_letter(info.kind), grouped(info.bytes))
     };
-    let original = shown.iter().map(|&index| heatmap::plain(&scans[index], &view));
-    let result = shown.iter().map(|&index| heatmap::plain(&decoded[index].mesh, &view));
+    let original = shown.iter().map(|&index| heatmap::plain(&scans[index], &view, PICTURE));
+    let result = shown.iter().map(|&index| heatmap::plain(&decoded[index].mesh, &view, PICTURE));
     let coloured = shown
         .iter()
         .zip(&errors)
-        .map(|(&index, error)| heatmap::coloured(&decoded[index].mesh, error, end, &view));
+        .map(|(&index, error)| heatmap::coloured(&decoded[index].mesh, error, end, &view, PICTURE));
     let sheet = Sheet {
         title: "kn: scans, decoded meshes, what was lost".into(),
         columns: shown.iter().map(title).collect(),
