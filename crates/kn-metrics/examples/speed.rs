@@ -10,7 +10,7 @@ use kn_mesh::io::{ReadOptions, read_mesh};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2};
 
-const RUNS: usize = 3;
+const RUNS: usize = 10;
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
