@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kn_codec::{AffineChoice, Decimation, Preset, UnitOfLength};
+use kn_codec::{AffineChoice, Decimation, Preset, TranslationChoice, UnitOfLength};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
@@ -111,6 +111,27 @@ impl From<AffineArgument> for AffineChoice {
             AffineArgument::None => Self::None,
             AffineArgument::Labels => Self::Labels(vec![TORSO]),
             AffineArgument::All => Self::All,
+        }
+    }
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TranslationArgument {
+    /// Nothing
+    Direct,
+    /// Spatial in the first P-frame of a group, spatio-temporal in the others
+    Paper,
+    /// In every frame the mode with the fewest bits
+    Cost,
+}
+
+impl From<TranslationArgument> for TranslationChoice {
+    fn from(argument: TranslationArgument) -> Self {
+        match argument {
+            TranslationArgument::Direct => Self::Direct,
+            TranslationArgument::Paper => Self::Paper,
+            TranslationArgument::Cost => Self::Cost,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The codec's settings: flags of `kn encode` and, under the same names, keys of a `kn rd`
 //! configuration.
 
-use crate::choices::{self, AffineArgument, InfluenceArgument};
+use crate::choices::{self, AffineArgument, InfluenceArgument, TranslationArgument};
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
@@ -40,6 +40,10 @@ pub(crate) struct Settings {
     /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
     #[arg(long, value_parser = choices::combination)]
     combination: Option<Combination>,
+    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    /// [default: cost]
+    #[arg(long, value_enum)]
+    translation: Option<TranslationArgument>,
     /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
     #[arg(long, value_parser = choices::weights)]
     weights: Option<WeightScheme>,
@@ -73,6 +77,7 @@ impl Settings {
         config.combination = self.combination.unwrap_or(config.combination);
         config.weights = self.weights.unwrap_or(config.weights);
         config.motion_step = self.motion_step.unwrap_or(config.motion_step);
+        config.translation = self.translation.map_or(config.translation, Into::into);
         if let Some(affine) = self.affine {
             config.affine = affine.into();
         }

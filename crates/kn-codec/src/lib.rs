@@ -19,10 +19,10 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
-    NamePattern, Preset, Summary,
+    NamePattern, Preset, SmoothingChoice, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
-pub use kn_bitstream::UnitOfLength;
+pub use kn_bitstream::{TranslationMode, UnitOfLength};

@@ -3,11 +3,12 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::{EncoderConfig, GridChoice};
+use crate::encode::config::{EncoderConfig, GridChoice, SmoothingChoice};
 use crate::encode::decimate::decimate;
 use crate::encode::motion::{MotionEncoder, fit_target};
 use crate::encode::nodes::choose_key_nodes;
 use crate::encode::report::FrameReport;
+use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
@@ -23,7 +24,6 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     payload: Vec<u8>,
     motion: MotionEncoder,
-    shown: Vec<[i32; 3]>,
 }
 
 impl GroupEncoder {
@@ -36,7 +36,6 @@ impl GroupEncoder {
             header,
             intra_decoder: IntraDecoder::default(),
             payload: Vec::new(),
-            shown: Vec::new(),
         }
     }
 
@@ -102,13 +101,24 @@ impl GroupEncoder {
         let encoding = encode_intra(&coded, &mut self.payload);
         let encoding = encoding.map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
-        self.reconstruction.show(&mut self.shown);
+        let smoothing = match self.config.smoothing {
+            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
+            SmoothingChoice::Strength(strength) => strength,
+            SmoothingChoice::Auto => {
+                let unit = f64::from(1_u32 << self.header.fraction_bits);
+                // A mesh without area has no surface to smooth.
+                fit_target(mesh, self.grid, index)
+                    .map_or(0, |scan| choose_smoothing(&mut self.reconstruction, &scan, unit))
+            }
+        };
+        self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
         let digests = self.config.digests;
-        let positions_digest = digests.then(|| positions_digest(&self.shown));
+        let positions_digest = digests.then(|| positions_digest(self.reconstruction.reference()));
         let frame = IntraFrame {
             header: FrameHeader { name: String::new(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
+            smoothing,
             payload: &self.payload,
         };
         let mut bits = BitWriter::new();
@@ -128,6 +138,7 @@ impl GroupEncoder {
                 Some(decimated) => decimated.through(&encoding.vertex_map),
                 None => encoding.vertex_map,
             }),
+            translation: None,
             fit_rms: 0.0,
             warning: None,
         })
@@ -152,7 +163,7 @@ impl GroupEncoder {
         let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
         let (payload, decoder) = (&self.payload, &mut self.intra_decoder);
         self.reconstruction
-            .begin(|decoded| decode_intra(payload, &limits, decoder, decoded))
+            .begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))
             .map_err(|error| error.to_string())
     }
 
@@ -188,12 +199,13 @@ impl GroupEncoder {
     ) -> Result<FrameReport, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
         let fit = self.motion.fit(&self.reconstruction, target).map_err(input)?;
+        let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
         self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
-        self.reconstruction.show(&mut self.shown);
-        motion.header.positions_digest = self.config.digests.then(|| positions_digest(&self.shown));
+        let positions = self.reconstruction.reference();
+        motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
-        motion.write(&mut bits);
+        motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
         Ok(FrameReport {
             index,
@@ -207,6 +219,7 @@ impl GroupEncoder {
             input_faces,
             decimation_error: 0.0,
             vertex_map: None,
+            translation: Some(motion.translation_mode),
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
             warning: fit.report.failure.map(|failure| failure.to_string()),
         })

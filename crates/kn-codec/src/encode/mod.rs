@@ -10,8 +10,13 @@ mod preset;
 mod quantise;
 mod report;
 mod sequence;
+mod smoothing;
+mod translation;
 
-pub use config::{AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern};
+pub use config::{
+    AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
+    TranslationChoice,
+};
 pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;

@@ -1,6 +1,7 @@
 //! What an encoder tells about its frames.
 
 use crate::decode::FrameKind;
+use kn_bitstream::TranslationMode;
 use kn_deform::Combination;
 
 /// What became of one frame.
@@ -30,6 +31,8 @@ pub struct FrameReport {
     /// `#V` decoded vertex of each vertex of the input frame, or [`crate::GONE`], of an I-frame where
     /// [`crate::EncoderConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
+    /// What translations are predicted from; `None` for an I-frame.
+    pub translation: Option<TranslationMode>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,
