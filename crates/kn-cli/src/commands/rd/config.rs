@@ -375,6 +375,17 @@ mod tests {
     }
 
     #[test]
+    fn the_example_is_sound() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rd/example.toml"));
+        if !path.exists() {
+            eprintln!("skipped: docs/rd/example.toml is absent");
+            return;
+        }
+        let config = Config::read(path).expect("sound");
+        assert!(config.sequences.iter().all(|sequence| sequence.performer.is_some()));
+    }
+
+    #[test]
     fn variables_are_put_in() {
         let variable = |name: &str| (name == "A").then(|| "x y".to_owned());
         assert_eq!(substituted("${A}/b${A}", variable).expect("set"), "x y/bx y");
