@@ -2,7 +2,9 @@
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use kn_codec::{AffineChoice, Preset, SmoothingChoice, TranslationChoice, UnitOfLength};
+use kn_codec::{
+    AffineChoice, Decimation, Preset, SmoothingChoice, TranslationChoice, UnitOfLength,
+};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
@@ -221,6 +223,18 @@ pub(crate) fn weights(text: &str) -> Result<WeightScheme, String> {
     }
 }
 
+/// Reads a number of faces, or a share of them in percent.
+pub(crate) fn face_count(text: &str) -> Result<Decimation, String> {
+    let share = text.strip_suffix('%').and_then(|percent| percent.parse::<f64>().ok());
+    match (share, text.parse()) {
+        (Some(percent), _) if percent > 0.0 && percent <= 100.0 => {
+            Ok(Decimation::Share(percent / 100.0))
+        }
+        (None, Ok(faces @ 1..)) => Ok(Decimation::Faces(faces)),
+        _ => Err("a number of faces is 1 or more, or a share such as 25%".into()),
+    }
+}
+
 /// Reads a positive length.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -241,6 +255,15 @@ mod tests {
         assert_eq!(rate("30000/1001"), Ok((30000, 1001)));
         for bad in ["", "0", "-1", "1/0", "0/1", "x", "1.", "1e3", "1.23456", "9999999999"] {
             assert!(rate(bad).is_err() || bad == "1.", "{bad}");
+        }
+    }
+
+    #[test]
+    fn faces_are_a_number_or_a_share() {
+        assert_eq!(face_count("5000"), Ok(Decimation::Faces(5000)));
+        assert_eq!(face_count("12.5%"), Ok(Decimation::Share(0.125)));
+        for bad in ["0", "-1", "0%", "101%", "nan%", "%", "x"] {
+            assert!(face_count(bad).is_err(), "{bad}");
         }
     }
 

@@ -5,7 +5,7 @@ use crate::choices::{self, AffineArgument, InfluenceArgument, TranslationArgumen
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
-use kn_codec::{EncoderConfig, GridChoice, SmoothingChoice};
+use kn_codec::{Decimation, EncoderConfig, GridChoice, SmoothingChoice};
 use kn_deform::{Combination, WeightScheme};
 use kn_mesh::BoundingBox;
 
@@ -21,6 +21,13 @@ pub(crate) struct Settings {
     /// Frames in a group: an I-frame, then P-frames [default: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     gof: Option<u8>,
+    /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
+    #[arg(long, value_name = "N|P%", value_parser = choices::face_count)]
+    iframe_faces: Option<Decimation>,
+    /// Decimate I-frames until a vertex lies further than this from the surface, world units
+    #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
+    #[arg(value_parser = choices::length)]
+    iframe_error: Option<f64>,
     /// Key nodes in a group [default: the preset's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     nodes: Option<u16>,
@@ -62,7 +69,10 @@ impl Settings {
             (None, Some(bits), _) | (None, None, &GridChoice::Bits { bits, .. }) => {
                 GridChoice::Bits { bits, bounds }
             }
+            (None, None, &GridChoice::Lossless(grid)) => GridChoice::Lossless(grid),
         };
+        let by_error = self.iframe_error.map(Decimation::Error);
+        config.decimation = self.iframe_faces.or(by_error).or(config.decimation);
         set(&mut config.group_length, self.gof);
         set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
         config.nodes = self.nodes.map_or(config.nodes, usize::from);

@@ -3,6 +3,7 @@
 pub(crate) mod names;
 mod report;
 pub(crate) mod survey;
+mod vertex_maps;
 
 use crate::Outcome;
 use crate::arguments::Global;
@@ -10,8 +11,8 @@ use crate::choices::{self, FrameRate, LabelArgument, UnitArgument, UpAxis};
 use crate::output::write_file;
 use crate::progress;
 use crate::settings::Settings;
-use anyhow::{Result, anyhow};
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, GridChoice, Preset, Summary};
+use anyhow::{Context, Result, anyhow};
+use kn_codec::{AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset, Summary};
 use kn_mesh::clean;
 use kn_mesh::io::{Inputs, ReadOptions};
 use names::name_pattern;
@@ -21,6 +22,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 use survey::Survey;
+use vertex_maps::VertexMaps;
 
 /// Encode scans, one mesh a frame, into a .knm file
 #[derive(Debug, clap::Args)]
@@ -34,6 +36,7 @@ Examples:
   kn encode scan/ -o dance.knm --bits 12 --gof 16
   kn encode scan/ -o small.knm --preset baseline --nodes 200
   kn encode scan/f_%04d.ply -o dance.knm --step 0.5 --unit mm --labels 'scan/*.labels'
+  kn encode scan/ -o thin.knm --iframe-faces 25%
   kn encode walk.glb -o walk.knm --fps 25
   kn encode scan/ -o - | kn info -")]
 pub(crate) struct EncodeArguments {
@@ -61,6 +64,13 @@ pub(crate) struct EncodeArguments {
     /// The axis that points up
     #[arg(long, value_enum, default_value_t = UpAxis::Y)]
     up: UpAxis,
+    /// Give every coordinate back to the last bit: for integers, fixed fractions and decimals of at
+    /// most 20 bits; all frames are I-frames
+    #[arg(long, conflicts_with_all = ["bits", "step", "gof", "iframe_faces", "iframe_error"])]
+    lossless: bool,
+    /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line
+    #[arg(long, value_name = "FOLDER")]
+    vertex_maps: Option<PathBuf>,
     /// Write what happened to every frame to this file, as JSON
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -71,12 +81,13 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let start = Instant::now();
     let inputs = arguments.find_inputs()?;
     let survey = Survey::new(&inputs, global)?;
-    let config = arguments.config(&survey);
+    let config = arguments.config(&survey)?;
     let settings = arguments.settings(&config);
     let lost = !survey.labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
+    let mut maps = arguments.vertex_maps.as_deref().map(VertexMaps::new).transpose()?;
     let summary = write_file(&arguments.output, |writer| {
-        encode(&inputs, config, writer, &mut report, global)
+        encode(&inputs, config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
     let seconds = start.elapsed().as_secs_f64();
@@ -96,7 +107,7 @@ fn encode(
     inputs: &Inputs,
     config: EncoderConfig,
     writer: &mut dyn Write,
-    report: &mut Report,
+    (report, maps): (&mut Report, &mut Option<VertexMaps>),
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
@@ -106,13 +117,28 @@ fn encode(
         let cleaned = clean(&frame.mesh)
             .map_err(|fault| anyhow!("{}: frame {}: {fault}", frame.path.display(), frame.index))?;
         report.read(frame.path, &cleaned.report, frame.notes);
+        if let Some(maps) = maps {
+            maps.read(frame.name, cleaned.vertex_map);
+        }
         encoder.push(&cleaned.mesh)?;
-        encoder.drain_reports().for_each(|frame| report.coded(frame));
+        for frame in encoder.drain_reports() {
+            tell(frame, report, maps)?;
+        }
         bar.step();
     }
     let finished = encoder.finish()?;
-    finished.reports.into_iter().for_each(|frame| report.coded(frame));
+    for frame in finished.reports {
+        tell(frame, report, maps)?;
+    }
     Ok(finished.summary)
+}
+
+fn tell(frame: FrameReport, report: &mut Report, maps: &mut Option<VertexMaps>) -> Result<()> {
+    if let Some(maps) = maps {
+        maps.coded(frame.vertex_map.as_deref())?;
+    }
+    report.coded(frame);
+    Ok(())
 }
 
 impl EncodeArguments {
@@ -128,16 +154,21 @@ impl EncodeArguments {
         }
     }
 
-    fn config(&self, survey: &Survey) -> EncoderConfig {
+    fn config(&self, survey: &Survey) -> Result<EncoderConfig> {
         let mut config = EncoderConfig {
             frame_rate: (self.fps.numerator, self.fps.denominator),
             unit: self.unit.into(),
             up_axis: self.up as u8,
             names: name_pattern(&survey.names),
+            vertex_maps: self.vertex_maps.is_some(),
             ..self.preset.config()
         };
         self.settings.apply(&mut config, survey.bounds);
-        config
+        if self.lossless {
+            config.grid = GridChoice::Lossless(survey.exact.grid().context("--lossless")?);
+            config.group_length = 1;
+        }
+        Ok(config)
     }
 
     /// The settings for the report.
@@ -145,6 +176,7 @@ impl EncodeArguments {
         let (bits, step) = match config.grid {
             GridChoice::Bits { bits, .. } => (Some(bits), None),
             GridChoice::Step { step, .. } => (None, Some(step)),
+            GridChoice::Lossless(grid) => (None, Some(grid.step)),
         };
         json!({
             "input": self.inputs,
@@ -152,6 +184,8 @@ impl EncodeArguments {
             "preset": self.preset.name(),
             "bits": bits,
             "step": step,
+            "lossless": self.lossless,
+            "decimation": config.decimation.map(|decimation| format!("{decimation:?}")),
             "gof": config.group_length,
             "nodes": config.nodes,
             "fps": self.fps.per_second(),
