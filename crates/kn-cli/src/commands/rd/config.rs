@@ -375,14 +375,15 @@ mod tests {
     }
 
     #[test]
-    fn the_example_is_sound() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rd/example.toml"));
-        if !path.exists() {
-            eprintln!("skipped: docs/rd/example.toml is absent");
+    fn the_configurations_of_the_repository_are_sound() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rd"));
+        if !folder.exists() {
+            eprintln!("skipped: docs/rd is absent");
             return;
         }
-        let config = Config::read(path).expect("sound");
-        assert!(config.sequences.iter().all(|sequence| sequence.performer.is_some()));
+        let read = |name: &str| Config::read(&folder.join(name)).expect("sound");
+        assert!(read("example.toml").sequences.iter().all(|one| one.performer.is_some()));
+        assert_eq!(read("ablation.toml").rates.len(), 4);
     }
 
     #[test]
