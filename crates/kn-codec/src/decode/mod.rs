@@ -2,6 +2,7 @@
 
 mod files;
 mod key_nodes;
+mod nearest;
 mod reconstruction;
 mod stream;
 mod transforms;
