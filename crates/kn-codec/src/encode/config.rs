@@ -34,6 +34,26 @@ pub enum AffineChoice {
     All,
 }
 
+/// How strongly I-frames are smoothed within their grid's uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SmoothingChoice {
+    /// As strongly as brings the decoded surface no farther from the scan.
+    Auto,
+    /// 0 (decoded positions are exactly the quantised ones) to 5.
+    Strength(u8),
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TranslationChoice {
+    /// Nothing.
+    Direct,
+    /// The paper's choice: spatial in the first P-frame of a group, spatio-temporal in the others.
+    Paper,
+    /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
+    Cost,
+}
+
 /// Names of the frames: `prefix`, then the frame number with at least `digits` digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamePattern {
@@ -62,6 +82,8 @@ pub struct EncoderConfig {
     pub up_axis: u8,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
+    /// Smoothing of I-frames.
+    pub smoothing: SmoothingChoice,
     /// Q, 1 to 8.
     pub nodes_per_vertex: u8,
     /// Distance to weight.
@@ -72,6 +94,8 @@ pub struct EncoderConfig {
     pub affine: AffineChoice,
     /// Components of affine nodes.
     pub combination: Combination,
+    /// What translations are predicted from.
+    pub translation: TranslationChoice,
     /// Quantiser step of translations in grid steps; the steps of the other components follow from
     /// it and the reach of a node.
     pub motion_step: f64,
@@ -91,11 +115,13 @@ impl Default for EncoderConfig {
             unit: UnitOfLength::Unspecified,
             up_axis: 1,
             fraction_bits: 8,
+            smoothing: SmoothingChoice::Auto,
             nodes_per_vertex: 4,
             weights: WeightScheme::InverseSquare,
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: Combination::RTSH,
+            translation: TranslationChoice::Cost,
             motion_step: 1.0,
             digests: true,
             names: None,
