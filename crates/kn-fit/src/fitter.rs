@@ -184,12 +184,17 @@ impl Fitter {
         let schedule = Schedule::new(options.regularisation, options.max_steps);
         let mut report = self.descend(frame, schedule, &mut transforms)?;
         let after = coarse::correspond(&self.group, &self.deformed, target, 0.0).gap();
-        if after <= before {
-            return Ok((transforms, report));
+        if after > before {
+            // Samples lie too far apart to judge a small motion: the surfaces decide.
+            let fitted = self.on_surfaces(frame, false, None)?.gap();
+            self.deformed.update(source, &start);
+            if self.on_surfaces(frame, false, None)?.gap() < fitted {
+                report.converged = false;
+                return Ok((start, report));
+            }
+            self.deformed.update(source, &transforms);
         }
-        report.converged = false;
-        self.deformed.update(source, &start);
-        Ok((start, report))
+        Ok((transforms, report))
     }
 
     /// The loop of matching and minimising; `self.deformed` must be up to date.
