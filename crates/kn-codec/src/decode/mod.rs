@@ -2,6 +2,7 @@
 
 mod files;
 mod key_nodes;
+mod nearest;
 mod node_graph;
 mod path;
 mod reconstruction;
