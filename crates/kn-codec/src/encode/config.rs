@@ -34,6 +34,15 @@ pub enum AffineChoice {
     All,
 }
 
+/// How strongly I-frames are smoothed within their grid's uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SmoothingChoice {
+    /// As strongly as brings the decoded surface no farther from the scan.
+    Auto,
+    /// 0 (decoded positions are exactly the quantised ones) to 5.
+    Strength(u8),
+}
+
 /// What translations are predicted from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TranslationChoice {
@@ -73,6 +82,8 @@ pub struct EncoderConfig {
     pub up_axis: u8,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
+    /// Smoothing of I-frames.
+    pub smoothing: SmoothingChoice,
     /// Q, 1 to 8.
     pub nodes_per_vertex: u8,
     /// Distance to weight.
@@ -104,6 +115,7 @@ impl Default for EncoderConfig {
             unit: UnitOfLength::Unspecified,
             up_axis: 1,
             fraction_bits: 8,
+            smoothing: SmoothingChoice::Auto,
             nodes_per_vertex: 4,
             weights: WeightScheme::InverseSquare,
             influence: InfluenceMode::Fallback,

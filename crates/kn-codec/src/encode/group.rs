@@ -3,10 +3,11 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::EncoderConfig;
+use crate::encode::config::{EncoderConfig, SmoothingChoice};
 use crate::encode::motion::{MotionEncoder, fit_target};
 use crate::encode::nodes::choose_key_nodes;
 use crate::encode::report::FrameReport;
+use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
@@ -22,7 +23,6 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     payload: Vec<u8>,
     motion: MotionEncoder,
-    shown: Vec<[i32; 3]>,
 }
 
 impl GroupEncoder {
@@ -35,7 +35,6 @@ impl GroupEncoder {
             header,
             intra_decoder: IntraDecoder::default(),
             payload: Vec::new(),
-            shown: Vec::new(),
         }
     }
 
@@ -102,13 +101,23 @@ impl GroupEncoder {
         self.payload.clear();
         encode_intra(&coded, &mut self.payload).map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
-        self.reconstruction.show(&mut self.shown);
+        let smoothing = match self.config.smoothing {
+            SmoothingChoice::Strength(strength) => strength,
+            SmoothingChoice::Auto => {
+                let unit = f64::from(1_u32 << self.header.fraction_bits);
+                // A mesh without area has no surface to smooth.
+                fit_target(mesh, self.grid, index)
+                    .map_or(0, |scan| choose_smoothing(&mut self.reconstruction, &scan, unit))
+            }
+        };
+        self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
         let digests = self.config.digests;
-        let positions_digest = digests.then(|| positions_digest(&self.shown));
+        let positions_digest = digests.then(|| positions_digest(self.reconstruction.reference()));
         let frame = IntraFrame {
             header: FrameHeader { name: String::new(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
+            smoothing,
             payload: &self.payload,
         };
         let mut bits = BitWriter::new();
@@ -134,7 +143,7 @@ impl GroupEncoder {
         let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
         let (payload, decoder) = (&self.payload, &mut self.intra_decoder);
         self.reconstruction
-            .begin(|decoded| decode_intra(payload, &limits, decoder, decoded))
+            .begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))
             .map_err(|error| error.to_string())
     }
 
@@ -172,8 +181,8 @@ impl GroupEncoder {
         let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
         self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
-        self.reconstruction.show(&mut self.shown);
-        motion.header.positions_digest = self.config.digests.then(|| positions_digest(&self.shown));
+        let positions = self.reconstruction.reference();
+        motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();

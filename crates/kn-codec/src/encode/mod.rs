@@ -8,8 +8,11 @@ mod nodes;
 mod quantise;
 mod report;
 mod sequence;
+mod smoothing;
 mod translation;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, TranslationChoice};
+pub use config::{
+    AffineChoice, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, TranslationChoice,
+};
 pub use encoder::{Encoder, Finished};
 pub use report::{FrameReport, Summary};

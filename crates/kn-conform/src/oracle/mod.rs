@@ -5,6 +5,7 @@
 
 mod deform;
 mod path;
+mod smooth;
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -17,6 +18,7 @@ use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Motion, Node, Settings, Slots, bind, blend, transform};
 use path::{Nodes, path};
+use smooth::smooth;
 
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
@@ -119,7 +121,9 @@ impl Oracle {
         decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut self.mesh).ok()?;
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
-        self.reference = self.mesh.positions.iter().map(in_units).collect();
+        let decoded: Vec<[i64; 3]> = self.mesh.positions.iter().map(in_units).collect();
+        let strength = self.number("smoothing_strength") as usize;
+        self.reference = smooth(&decoded, &self.mesh.faces, strength, unit / 2);
         self.show('I')
     }
 
@@ -268,12 +272,9 @@ impl Oracle {
         self.nodes.iter().zip(translations).map(of_node).collect()
     }
 
-    /// 8.4 and 9.5: the frame on the grid as a line; `None` where its own digest is another.
+    /// 9.5: the frame as a line; `None` where its own digest is another.
     fn show(&mut self, kind: char) -> Option<()> {
-        let fraction_bits = self.fraction_bits();
-        let half = (1 << fraction_bits) >> 1;
-        let on_grid = |x: &[i64; 3]| x.map(|x| (x + half) >> fraction_bits);
-        let positions: Vec<[i64; 3]> = self.reference.iter().map(on_grid).collect();
+        let positions = &self.reference;
         let numbers = |list: &mut dyn Iterator<Item = i64>| -> Vec<u8> {
             list.flat_map(|number| (number as i32).to_le_bytes()).collect()
         };
