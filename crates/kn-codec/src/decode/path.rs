@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_layer_is_wound_clockwise_seen_seen_from_above() {
+    fn a_layer_is_wound_clockwise_seen_from_above() {
         // Node 0 on top, a ring of four below it: at +x, +z, −x, −z where y is up.
         let ring = [[5, 0, 0], [0, 0, 5], [-5, 0, 0], [0, 0, -5]];
         let mut positions = vec![[4, 9, -3]];
