@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-/// Passes of the smoothing (`smooth.passes`).
+/// Passes of the smoothing (`smooth.pass`).
 const PASSES: usize = 3;
 /// Vertices per unit of parallel work.
 const CHUNK: usize = 4096;
@@ -100,7 +100,7 @@ impl Smoother {
         });
     }
 
-    /// `smooth.neighbours`, `smooth.fixed`: a vertex moves where each of its edges has two faces.
+    /// `smooth.neighbours`: a vertex moves where each of its edges has two faces.
     fn collect_neighbours(&mut self, vertex_count: usize, faces: &[[u32; 3]]) {
         let mut ends = vec![0_u32; vertex_count + 1];
         for &vertex in faces.iter().flatten() {

@@ -2,7 +2,7 @@
 
 use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
-use kn_mesh::BoundingBox;
+use kn_mesh::{BoundingBox, Grid};
 
 /// How the sequence's grid is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,21 @@ pub enum GridChoice {
         /// As for bits; here it only places the origin.
         bounds: Option<BoundingBox>,
     },
+    /// A grid that all coordinates lie on already (see [`kn_mesh::ExactGrid`]): they come back to
+    /// the last bit, and a frame that is not on it is an error. Only I-frames are exact, so groups
+    /// have one frame and nothing is decimated.
+    Lossless(Grid),
+}
+
+/// How far I-frames are decimated; P-frames then deform the coarser mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decimation {
+    /// At most so many faces, as far as topology allows.
+    Faces(u32),
+    /// At most this share of the faces, between 0 and 1.
+    Share(f64),
+    /// No vertex of the scan further than this from the coarser surface, world units.
+    Error(f64),
 }
 
 /// Which key nodes are affine; the others are rigid.
@@ -70,6 +85,10 @@ pub struct NamePattern {
 pub struct EncoderConfig {
     /// The grid of the whole sequence.
     pub grid: GridChoice,
+    /// Whether and how far I-frames are decimated.
+    pub decimation: Option<Decimation>,
+    /// Whether reports of I-frames have a vertex map.
+    pub vertex_maps: bool,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
@@ -109,6 +128,8 @@ impl Default for EncoderConfig {
     fn default() -> Self {
         Self {
             grid: GridChoice::Bits { bits: 11, bounds: None },
+            decimation: None,
+            vertex_maps: false,
             group_length: 8,
             nodes: 150,
             frame_rate: (30, 1),

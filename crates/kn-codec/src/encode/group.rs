@@ -3,7 +3,8 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::{EncoderConfig, SmoothingChoice};
+use crate::encode::config::{EncoderConfig, GridChoice, SmoothingChoice};
+use crate::encode::decimate::decimate;
 use crate::encode::motion::{MotionEncoder, fit_target};
 use crate::encode::nodes::choose_key_nodes;
 use crate::encode::report::FrameReport;
@@ -66,10 +67,11 @@ impl GroupEncoder {
         let mut target = fit_target(&predicted[0], grid, first + 1)?;
         for offset in 0..predicted.len() {
             let index = first + 1 + offset as u64;
+            let faces = predicted[offset].faces.len() as u32;
             let next = predicted.get(offset + 1);
             // The next frame's tree is built while this frame is fitted.
             let (report, next_target) = rayon::join(
-                || self.encode_motion_frame(&target, index, out),
+                || self.encode_motion_frame(&target, faces, index, out),
                 || next.map(|mesh| fit_target(mesh, grid, index + 1)).transpose(),
             );
             let mut report = report?;
@@ -92,16 +94,16 @@ impl GroupEncoder {
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
-        let positions = self.grid.quantise(&mesh.positions);
-        let coded = GridMesh {
-            positions: positions.map_err(|error| input(error.to_string()))?,
-            faces: mesh.faces.clone(),
-            labels: mesh.labels.clone(),
-        };
+        let decimated = self.config.decimation.and_then(|decimation| decimate(mesh, decimation));
+        let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
+        let coded = self.on_grid(coarse).map_err(input)?;
         self.payload.clear();
-        encode_intra(&coded, &mut self.payload).map_err(|error| input(error.to_string()))?;
+        let encoding = encode_intra(&coded, &mut self.payload);
+        let encoding = encoding.map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
         let smoothing = match self.config.smoothing {
+            // Positions are the input's to the last bit.
+            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
             SmoothingChoice::Strength(strength) => strength,
             SmoothingChoice::Auto => {
                 let unit = f64::from(1_u32 << self.header.fraction_bits);
@@ -132,9 +134,28 @@ impl GroupEncoder {
             nodes: 0,
             combination: None,
             translation: None,
+            input_faces: mesh.faces.len() as u32,
+            decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
+            vertex_map: self.config.vertex_maps.then(|| match decimated {
+                Some(decimated) => decimated.through(&encoding.vertex_map),
+                None => encoding.vertex_map,
+            }),
             fit_rms: 0.0,
             warning: None,
         })
+    }
+
+    /// The mesh on the sequence's grid; in lossless mode, a mesh that is there already.
+    fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, String> {
+        let positions = self.grid.quantise(&mesh.positions).map_err(|error| error.to_string())?;
+        if let GridChoice::Lossless(grid) = self.config.grid {
+            let pairs = mesh.positions.iter().zip(&positions);
+            let moved = |(own, coded): (&[f32; 3], &[i32; 3])| grid.dequantise(*coded) != *own;
+            if let Some(vertex) = pairs.map(moved).position(|moved| moved) {
+                return Err(format!("vertex {vertex} does not lie on the lossless grid"));
+            }
+        }
+        Ok(GridMesh { positions, faces: mesh.faces.clone(), labels: mesh.labels.clone() })
     }
 
     /// The decoder's view of the I-frame that was just coded.
@@ -173,6 +194,7 @@ impl GroupEncoder {
     fn encode_motion_frame(
         &mut self,
         target: &kn_fit::FitTarget,
+        input_faces: u32,
         index: u64,
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
@@ -196,6 +218,9 @@ impl GroupEncoder {
             nodes: self.reconstruction.nodes().positions.len() as u32,
             combination: Some(self.config.combination),
             translation: Some(motion.translation_mode),
+            input_faces,
+            decimation_error: 0.0,
+            vertex_map: None,
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
             warning: fit.report.failure.map(|failure| failure.to_string()),
         })

@@ -66,6 +66,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "intra.labels.order",
             "intra.labels.vote",
             "intra.labels.code",
+            "intra.labels.border",
         ];
         add(name, danger, covers, &short(&body), config)?;
     }
