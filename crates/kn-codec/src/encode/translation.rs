@@ -136,7 +136,7 @@ mod tests {
 
     fn group() -> Translations {
         let mut translations = Translations::default();
-        let from = |node: u16| (node > 0).then(|| node / 2);
+        let from = |node: u16| (node > 0).then_some(node / 2);
         let path = (0..NODES).map(|node| Visit { node, from: from(node) }).collect();
         translations.begin(&[1, 1, 7, 7, 7, 9], path);
         translations
