@@ -24,6 +24,7 @@ pub use corpus::{
 };
 pub use coverage::{Covered, coverage, coverage_page};
 pub use interpret::{CountAffine, GroupPayloads};
+pub use oracle::decode_mesh;
 pub use product::{example_trace, example_written, stream_trace};
 pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};
 pub use syntax::{Syntax, SyntaxError};

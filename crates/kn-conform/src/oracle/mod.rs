@@ -1,13 +1,17 @@
-//! A literal decoder: chapters 6 to 9 from the elements that the tables read.
+//! A literal decoder: chapters 4 to 9 from the elements that the tables read.
 //!
-//! Shares no code with kn-deform and with kn-codec's reconstruction, and has no eye on speed. The
-//! mesh of an I-frame is kn-codec's.
+//! Shares no code with kn-deform and kn-codec, and has no eye on speed.
 
+mod conquest;
 mod deform;
+mod geometry;
+mod intra;
+mod labels;
+mod range;
+mod spread;
 
 use std::collections::HashMap;
 
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
 use sha2::{Digest, Sha256};
 
@@ -15,6 +19,8 @@ use crate::affine::count_affine_by_label;
 use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Motion, Node, Settings, Slots, bind, blend, transform};
+
+pub use intra::decode_mesh;
 
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
@@ -109,8 +115,7 @@ impl Oracle {
         else {
             return None;
         };
-        let limits = IntraLimits { max_vertices: u32::MAX, max_faces: u32::MAX };
-        decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut self.mesh).ok()?;
+        self.mesh = decode_mesh(payload).ok()?;
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
         self.reference = self.mesh.positions.iter().map(in_units).collect();
