@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use kn_bitstream::unit::{Framing, SizeLimits, read_unit};
-use kn_conform::{Spec, count_affine_by_label, stream_trace};
+use kn_conform::{Spec, node_labels, stream_trace};
 use libfuzzer_sys::fuzz_target;
 
 static SPEC: LazyLock<Spec> = LazyLock::new(|| {
@@ -22,10 +22,11 @@ fuzz_target!(init: kn_fuzz::one_thread(), |stream: &[u8]| {
     let stream = with_mended_crcs(stream);
     let (by_decoder, result) = stream_trace(&stream);
     result.expect("it was decoded before");
-    let by_tables = SPEC.parse(&stream, &count_affine_by_label).expect("the decoder takes it");
+    let by_tables = SPEC.parse(&stream, &node_labels).expect("the decoder takes it");
     assert_eq!(by_decoder, by_tables);
-    let text = SPEC.disassemble(&stream, &count_affine_by_label).expect("it was parsed before");
-    let again = SPEC.assemble(&text, &count_affine_by_label).expect("its own text");
+    SPEC.parse_strictly(&stream, &node_labels).1.expect("the decoder takes it");
+    let text = SPEC.disassemble(&stream, &node_labels).expect("it was parsed before");
+    let again = SPEC.assemble(&text, &node_labels).expect("its own text");
     assert_eq!(again, stream);
 });
 

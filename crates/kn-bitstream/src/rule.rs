@@ -60,7 +60,8 @@ rules! {
     MOTION_REFERENCE_KNOWN = "motion.reference.known", "reference_mode is 0";
     MOTION_ENTROPY_KNOWN = "motion.entropy.known", "entropy_mode is 0";
     MOTION_RESIDUAL_KNOWN = "motion.residual.known", "residual_present is 0";
-    MOTION_TRANSLATION_KNOWN = "motion.translation.known", "translation_mode is 0";
+    MOTION_TRANSLATION_KNOWN = "motion.translation.known", "translation_mode is 0, 1 or 2";
+    MOTION_TRANSLATION_FIRST = "motion.translation.first", "the first P-frame of a group is not predicted from the frame before";
     MOTION_ENABLED_AFFINE = "motion.enabled.affine", "no component is enabled where no node is affine";
     MOTION_TABLE_RANGE = "motion.table.range", "a Huffman table index is 0 to 47";
     MOTION_TRANSLATION_RANGE = "motion.translation.range", "a translation is below 2^28 in magnitude";

@@ -19,9 +19,10 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern, Summary,
+    TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
-pub use kn_bitstream::UnitOfLength;
+pub use kn_bitstream::{TranslationMode, UnitOfLength};

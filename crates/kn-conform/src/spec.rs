@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::huffman::Codes;
-use crate::interpret::CountAffine;
+use crate::interpret::NodeLabels;
 use crate::syntax::{Syntax, SyntaxError};
 use crate::tables::{Table, TableError};
 
@@ -17,6 +17,7 @@ pub struct Spec {
     /// The worked examples, in the order of the chapters.
     pub examples: Vec<Example>,
     pub(crate) codes: Codes,
+    pub(crate) levels: Table,
     /// Headings so far.
     sections: usize,
 }
@@ -87,14 +88,16 @@ pub enum SpecError {
 impl Spec {
     /// Reads the chapters `NN-*.md` and the tables of a folder.
     pub fn load(folder: &Path) -> Result<Self, SpecError> {
-        let csv = folder.join("tables/cauchy_huffman.csv");
-        let table = Table::parse(&read(&csv)?);
-        let table = table.map_err(|error| SpecError::Table { path: csv, error })?;
+        let table = |name: &str| {
+            let path = folder.join("tables").join(name);
+            Table::parse(&read(&path)?).map_err(|error| SpecError::Table { path, error })
+        };
         let mut spec = Self {
             rules: Vec::new(),
             syntax: Syntax::default(),
             examples: Vec::new(),
-            codes: Codes::new(&table),
+            codes: Codes::new(&table("cauchy_huffman.csv")?),
+            levels: table("levels.csv")?,
             sections: 0,
         };
         for chapter in chapters(folder)? {
@@ -163,8 +166,8 @@ fn is_note(line: &str) -> bool {
     line.starts_with("*Note") || line.starts_with("> Note")
 }
 
-/// For streams whose affine nodes are not given by labels.
-pub fn no_labels() -> &'static CountAffine<'static> {
+/// For streams in which nothing depends on the labels of key nodes.
+pub fn no_labels() -> &'static NodeLabels<'static> {
     &|_| None
 }
 

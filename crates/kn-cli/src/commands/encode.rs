@@ -10,7 +10,10 @@ use crate::arguments::Global;
 use crate::output::write_file;
 use crate::progress;
 use anyhow::{Result, anyhow};
-use choices::{AffineArgument, FrameRate, InfluenceArgument, LabelArgument, UnitArgument, UpAxis};
+use choices::{
+    AffineArgument, FrameRate, InfluenceArgument, LabelArgument, TranslationArgument, UnitArgument,
+    UpAxis,
+};
 use kn_codec::{Encoder, EncoderConfig, GridChoice, Summary};
 use kn_deform::Combination;
 use kn_mesh::clean;
@@ -73,6 +76,9 @@ pub(crate) struct EncodeArguments {
     /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH
     #[arg(long, default_value = "RTSH", value_parser = choices::combination)]
     combination: Combination,
+    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    #[arg(long, value_enum, default_value_t = TranslationArgument::Cost)]
+    translation: TranslationArgument,
     /// Unit of the coordinates; carried, not interpreted
     #[arg(long, value_enum, default_value_t = UnitArgument::Unspecified)]
     unit: UnitArgument,
@@ -159,6 +165,7 @@ impl EncodeArguments {
             influence: self.influence.into(),
             affine: self.affine.into(),
             combination: self.combination,
+            translation: self.translation.into(),
             names: name_pattern(&survey.names),
             ..EncoderConfig::default()
         }
@@ -177,6 +184,7 @@ impl EncodeArguments {
             "influence": format!("{:?}", self.influence).to_lowercase(),
             "affine": format!("{:?}", self.affine).to_lowercase(),
             "combination": self.combination.name(),
+            "translation": format!("{:?}", self.translation).to_lowercase(),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }

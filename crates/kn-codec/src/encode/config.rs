@@ -34,6 +34,17 @@ pub enum AffineChoice {
     All,
 }
 
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TranslationChoice {
+    /// Nothing.
+    Direct,
+    /// The paper's choice: spatial in the first P-frame of a group, spatio-temporal in the others.
+    Paper,
+    /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
+    Cost,
+}
+
 /// Names of the frames: `prefix`, then the frame number with at least `digits` digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamePattern {
@@ -72,6 +83,8 @@ pub struct EncoderConfig {
     pub affine: AffineChoice,
     /// Components of affine nodes.
     pub combination: Combination,
+    /// What translations are predicted from.
+    pub translation: TranslationChoice,
     /// Quantiser step of translations in grid steps; the steps of the other components follow from
     /// it and the reach of a node.
     pub motion_step: f64,
@@ -96,6 +109,7 @@ impl Default for EncoderConfig {
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: Combination::RTSH,
+            translation: TranslationChoice::Cost,
             motion_step: 1.0,
             digests: true,
             names: None,

@@ -122,6 +122,7 @@ impl GroupEncoder {
             faces: decoded.faces.len() as u32,
             nodes: 0,
             combination: None,
+            translation: None,
             fit_rms: 0.0,
             warning: None,
         })
@@ -168,12 +169,13 @@ impl GroupEncoder {
     ) -> Result<FrameReport, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
         let fit = self.motion.fit(&self.reconstruction, target).map_err(input)?;
+        let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
         self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
         self.reconstruction.show(&mut self.shown);
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(&self.shown));
         let mut bits = BitWriter::new();
-        motion.write(&mut bits);
+        motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
         Ok(FrameReport {
             index,
@@ -184,6 +186,7 @@ impl GroupEncoder {
             faces: intra.faces.len() as u32,
             nodes: self.reconstruction.nodes().positions.len() as u32,
             combination: Some(self.config.combination),
+            translation: Some(motion.translation_mode),
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
             warning: fit.report.failure.map(|failure| failure.to_string()),
         })

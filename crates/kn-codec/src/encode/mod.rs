@@ -8,7 +8,8 @@ mod nodes;
 mod quantise;
 mod report;
 mod sequence;
+mod translation;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
+pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, TranslationChoice};
 pub use encoder::{Encoder, Finished};
 pub use report::{FrameReport, Summary};

@@ -1,6 +1,7 @@
 //! What an encoder tells about its frames.
 
 use crate::decode::FrameKind;
+use kn_bitstream::TranslationMode;
 use kn_deform::Combination;
 
 /// What became of one frame.
@@ -22,6 +23,8 @@ pub struct FrameReport {
     pub nodes: u32,
     /// Components of affine nodes; `None` for an I-frame.
     pub combination: Option<Combination>,
+    /// What translations are predicted from; `None` for an I-frame.
+    pub translation: Option<TranslationMode>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,

@@ -1,7 +1,7 @@
 //! The values that flags of `kn encode` take, and what they mean to the encoder.
 
 use clap::ValueEnum;
-use kn_codec::{AffineChoice, UnitOfLength};
+use kn_codec::{AffineChoice, TranslationChoice, UnitOfLength};
 use kn_deform::{Combination, InfluenceMode};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
@@ -110,6 +110,27 @@ impl From<AffineArgument> for AffineChoice {
             AffineArgument::None => Self::None,
             AffineArgument::Labels => Self::Labels(vec![TORSO]),
             AffineArgument::All => Self::All,
+        }
+    }
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum TranslationArgument {
+    /// Nothing
+    Direct,
+    /// Spatial in the first P-frame of a group, spatio-temporal in the others
+    Paper,
+    /// In every frame the mode with the fewest bits
+    Cost,
+}
+
+impl From<TranslationArgument> for TranslationChoice {
+    fn from(argument: TranslationArgument) -> Self {
+        match argument {
+            TranslationArgument::Direct => Self::Direct,
+            TranslationArgument::Paper => Self::Paper,
+            TranslationArgument::Cost => Self::Cost,
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::intra::{IntraError, IntraLimits, decode_intra};
 use kn_bitstream::unit::{self, Unit};
 use kn_bitstream::{
     BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext, LabelSet,
-    MotionContext, SequenceHeader, Trace, rule,
+    SequenceHeader, Trace, rule,
 };
 
 impl StreamDecoder {
@@ -130,10 +130,7 @@ impl StreamDecoder {
         if self.groups.last().is_none_or(|group| group.frames >= max_length) {
             return Err(self.malformed(rule::FILE_GROUP_LENGTH, at));
         }
-        let context = MotionContext {
-            node_count: self.group.nodes().positions.len() as u32,
-            affine_count: self.group.nodes().affine_count(),
-        };
+        let context = self.group.motion_context();
         let mut motion = std::mem::take(&mut self.motion);
         let result = motion.read(&mut bits, &context).and_then(|()| bits.finish());
         self.motion = motion;
