@@ -17,7 +17,7 @@ pub mod unit;
 mod writer;
 
 pub use error::{Error, ErrorKind};
-pub use frame::{FrameHeader, IntraFrame};
+pub use frame::{FrameHeader, IntraFrame, MAX_SMOOTHING};
 pub use huffman::{CauchyTable, TABLE_COUNT, best_table, cauchy_table};
 pub use index::{Index, IndexGroup, TAIL_BYTES, index_size};
 pub use level::{COORDINATE_LIMIT, Level};

@@ -50,6 +50,7 @@ rules! {
     INTRA_SIZE_LEVEL = "intra.size.level", "an I-frame has no more vertices and faces than the level allows";
     FRAME_RESERVED_ZERO = "frame.reserved.zero", "reserved bits of a frame header are zero";
     FRAME_DIGEST_POSITIONS = "frame.digest.positions", "positions_digest is that of the decoded positions";
+    INTRA_SMOOTHING_RANGE = "intra.smoothing.range", "smoothing_strength is 0 to 5";
     INTRA_DIGEST_FACES = "intra.digest.faces", "faces_digest is that of the decoded faces";
 
     NODES_COUNT_RANGE = "nodes.count.range", "node_count is from 1 to the level's limit";

@@ -18,8 +18,8 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern, Summary,
-    TranslationChoice,
+    AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
+    NamePattern, Preset, SmoothingChoice, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

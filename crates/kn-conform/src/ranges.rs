@@ -75,6 +75,7 @@ impl Known<'_> {
         let whole = |value: &Value| !matches!(value, Value::Bytes(name) if matches!(&name[..], b"" | b"." | b".."));
         let (holds, rule) = match place.name {
             "reserved_zero" if place.argument == 6 => (v == 0, "frame.reserved.zero"),
+            "smoothing_strength" => (v <= 5, "intra.smoothing.range"),
             "name" | "name_prefix" if !is_name(value) => (false, "name.characters"),
             "name" => (whole(value), "name.whole"),
             "unit_size" => {

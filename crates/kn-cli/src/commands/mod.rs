@@ -8,6 +8,7 @@ mod demo;
 mod dump;
 mod encode;
 mod info;
+mod rd;
 mod verify;
 
 use crate::Outcome;
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     Dump(dump::DumpArguments),
     Verify(verify::VerifyArguments),
     Compare(compare::CompareArguments),
+    Rd(rd::RdArguments),
     Demo(demo::DemoArguments),
     Conform(conform::ConformArguments),
     Assemble(assemble::AssembleArguments),
@@ -36,6 +38,7 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Dump(arguments) => dump::run(arguments),
         Command::Verify(arguments) => verify::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
+        Command::Rd(arguments) => rd::run(arguments, global),
         Command::Demo(arguments) => demo::run(arguments, global),
         Command::Conform(arguments) => conform::run(arguments),
         Command::Assemble(arguments) => assemble::run(arguments),

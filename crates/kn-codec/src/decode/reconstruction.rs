@@ -10,7 +10,8 @@ use kn_bitstream::{
     WeightScheme as CodedScheme, rule,
 };
 use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind,
+    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
+    WeightScheme, bind,
 };
 use kn_mesh::{Grid, GridMesh};
 
@@ -34,6 +35,7 @@ pub(crate) struct Reconstruction {
     influence: Influence,
     translations: Translations,
     transforms: Vec<NodeTransform>,
+    smoother: Smoother,
     deformer: Deformer,
 }
 
@@ -51,17 +53,26 @@ impl Reconstruction {
         }
     }
 
-    /// Begins a group: `decode` fills the I-frame.
+    /// Begins a group: `decode` fills the I-frame, which is then smoothed as [`Self::smooth`] says.
     pub(crate) fn begin<E>(
         &mut self,
+        smoothing: u8,
         decode: impl FnOnce(&mut GridMesh) -> Result<(), E>,
     ) -> Result<(), E> {
         decode(&mut self.intra)?;
+        self.smooth(smoothing);
+        self.nodes.clear();
+        Ok(())
+    }
+
+    /// The first reference of a group: the decoded I-frame in reference units, smoothed
+    /// (`smooth.strength`).
+    pub(crate) fn smooth(&mut self, strength: u8) {
         let fraction_bits = self.fraction_bits;
         self.reference.clear();
         self.reference.extend(self.intra.positions.iter().map(|p| p.map(|c| c << fraction_bits)));
-        self.nodes.clear();
-        Ok(())
+        let half_step = (1 << fraction_bits) >> 1;
+        self.smoother.smooth(&mut self.reference, &self.intra.faces, strength, half_step);
     }
 
     /// Whether every label of the I-frame is one of the sequence's (`intra.labels.range`).
@@ -157,14 +168,6 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// The last decoded frame in grid steps (`#V × 3`; `deform.output`).
-    pub(crate) fn show(&self, positions: &mut Vec<[i32; 3]>) {
-        let half = (1 << self.fraction_bits) >> 1;
-        positions.clear();
-        positions
-            .extend(self.reference.iter().map(|p| p.map(|c| (c + half) >> self.fraction_bits)));
-    }
-
     /// The decoded I-frame of the group, in grid steps.
     pub(crate) fn intra(&self) -> &GridMesh {
         &self.intra
@@ -175,8 +178,7 @@ impl Reconstruction {
         &self.nodes
     }
 
-    /// The last decoded frame in reference units (`#V × 3`).
-    #[cfg(feature = "encode")]
+    /// The last decoded frame in reference units (`#V × 3`; `deform.output`).
     pub(crate) fn reference(&self) -> &[[i32; 3]] {
         &self.reference
     }

@@ -25,6 +25,14 @@ pub struct FrameReport {
     pub combination: Option<Combination>,
     /// What translations are predicted from; `None` for an I-frame.
     pub translation: Option<TranslationMode>,
+    /// Faces of the input frame.
+    pub input_faces: u32,
+    /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
+    /// world units; 0 where nothing was decimated.
+    pub decimation_error: f64,
+    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::GONE`], of an I-frame where
+    /// [`crate::EncoderConfig::vertex_maps`] asks for it.
+    pub vertex_map: Option<Vec<u32>>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,

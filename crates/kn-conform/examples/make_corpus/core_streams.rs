@@ -2,7 +2,10 @@
 
 use std::error::Error;
 
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, TranslationChoice};
+use kn_codec::{
+    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
+    TranslationChoice,
+};
 use kn_conform::{Spec, node_labels};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
@@ -63,6 +66,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "intra.labels.order",
             "intra.labels.vote",
             "intra.labels.code",
+            "intra.labels.border",
         ];
         add(name, danger, covers, &short(&body), config)?;
     }
@@ -127,8 +131,28 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         EncoderConfig { nodes_per_vertex: 1, ..config() },
     )?;
     add(
+        "smoothed_weakly",
+        "A sum of neighbours starts at 0 and adds them by rising index, not as faces name them.",
+        &[
+            "intra.smoothing.meaning",
+            "smooth.strength",
+            "smooth.neighbours",
+            "smooth.operator",
+            "smooth.pass",
+        ],
+        &short(&plain),
+        EncoderConfig { smoothing: SmoothingChoice::Strength(1), ..config() },
+    )?;
+    add(
+        "smoothed_strongly",
+        "No coordinate moves by more than half a grid step; borders stay.",
+        &["smooth.strength", "smooth.neighbours", "smooth.clamp"],
+        &short(&body),
+        EncoderConfig { smoothing: SmoothingChoice::Strength(5), ..config() },
+    )?;
+    add(
         "no_fraction",
-        "With fraction_bits 0 the reference is the frame that is shown.",
+        "With fraction_bits 0 positions are whole grid steps, and smoothing changes nothing.",
         &[
             "header.fraction.meaning",
             "deform.round",
@@ -137,7 +161,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "conventions.conversion",
         ],
         &short(&plain),
-        EncoderConfig { fraction_bits: 0, ..config() },
+        EncoderConfig { fraction_bits: 0, smoothing: SmoothingChoice::Strength(2), ..config() },
     )?;
     add(
         "names",

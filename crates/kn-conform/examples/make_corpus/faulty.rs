@@ -100,6 +100,9 @@ const HEADER: &[Fault] = &[
     ("fraction_bits", "header.fraction.range", "Coordinates of 29 bits and more.", |t| {
         t.set("fraction_bits", 0, "9")
     }),
+    ("smoothing", "intra.smoothing.range", "A strength that no table has.", |t| {
+        t.set("smoothing_strength", 0, "6")
+    }),
     ("group_length", "header.group.range", "Groups without frames.", |t| {
         t.set("max_group_length", 0, "0")
     }),

@@ -41,12 +41,12 @@ struct Geometry<'g, 'b> {
     last: [i64; 3],
 }
 
-/// The geometry section: `#V × 3` positions on the grid.
+/// The geometry section: `#V × 3` positions as coded, and on the grid.
 pub(super) fn geometry(
     bytes: &[u8],
     walk: &Walk<'_>,
     has_lattice: bool,
-) -> Result<Vec<[i32; 3]>, Rule> {
+) -> Result<(Vec<[i32; 3]>, Vec<[i32; 3]>), Rule> {
     let mut section = Section::new(bytes);
     let lattice = if has_lattice { Some(read_lattice(&mut section, walk.vertices)?) } else { None };
     let mut geometry = Geometry {
@@ -80,7 +80,8 @@ pub(super) fn geometry(
     geometry.section.finish()?;
     let value = |axis: usize, c: i64| lattice.as_ref().map_or(c, |list| list[axis][c as usize]);
     let on_grid = |p: [i64; 3]| [0, 1, 2].map(|axis| value(axis, p[axis]) as i32);
-    Ok(positions.into_iter().map(on_grid).collect())
+    let coded = positions.iter().map(|p| p.map(|c| c as i32)).collect();
+    Ok((coded, positions.into_iter().map(on_grid).collect()))
 }
 
 /// r[intra.geometry.lattice]

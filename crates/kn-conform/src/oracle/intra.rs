@@ -52,8 +52,8 @@ pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, &'static str> {
         isolated: counts.isolated,
         vertices: counts.vertices as usize,
     };
-    let positions = geometry(second, &walk, counts.lattice)?;
-    let labels = if counts.has_labels { labels(third, &walk)? } else { Vec::new() };
+    let (coded, positions) = geometry(second, &walk, counts.lattice)?;
+    let labels = if counts.has_labels { labels(third, &walk, &coded)? } else { Vec::new() };
     Ok(GridMesh { positions, faces, labels })
 }
 

@@ -13,6 +13,7 @@ mod path;
 #[cfg(test)]
 mod printed;
 mod range;
+mod smooth;
 mod spread;
 mod stages;
 
@@ -28,6 +29,7 @@ use deform::{Node, Settings, Slots, bind, blend, transform};
 use framing::Framing;
 use intra::Rule;
 use path::{Nodes, path};
+use smooth::smooth;
 
 pub use intra::decode_mesh;
 
@@ -170,8 +172,10 @@ impl Oracle<'_> {
         }
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
-        self.reference = self.mesh.positions.iter().map(in_units).collect();
-        self.show('I', None)
+        let decoded: Vec<[i64; 3]> = self.mesh.positions.iter().map(in_units).collect();
+        let strength = self.number("smoothing_strength") as usize;
+        self.reference = smooth(&decoded, &self.mesh.faces, strength, unit / 2);
+        self.show('I', &decoded, None)
     }
 
     /// 6.5, 7.5 and 8.2
@@ -240,7 +244,8 @@ impl Oracle<'_> {
                 }
             }
         }
-        self.show('P', Some((&before, &transforms)))
+        let predicted = self.reference.clone();
+        self.show('P', &predicted, Some((&before, &transforms)))
     }
 }
 

@@ -1,4 +1,4 @@
-//! 8.4, 9.5 and 9.6: what a frame shows, and the digests of the stages on the way to it.
+//! 9.5 and 9.6: what a frame shows, and the digests of the stages on the way to it.
 
 use sha2::{Digest, Sha256};
 
@@ -21,17 +21,15 @@ fn short(bytes: &[u8]) -> String {
 }
 
 impl Oracle<'_> {
-    /// Takes the frame down; its own digests must agree. A P-frame comes with its nodes as they
-    /// stood before it, and their transforms.
+    /// Takes the frame down; its own digests must agree. `predicted` are the positions before
+    /// smoothing. A P-frame comes with its nodes as they stood before it, and their transforms.
     pub(super) fn show(
         &mut self,
         kind: char,
+        predicted: &[[i64; 3]],
         moved: Option<(&[Node], &[Transform])>,
     ) -> Result<(), Rule> {
-        let fraction_bits = self.fraction_bits();
-        let half = (1 << fraction_bits) >> 1;
-        let on_grid = self.reference.iter().flatten().map(|x| (x + half) >> fraction_bits);
-        let vertices = integers(on_grid);
+        let vertices = integers(self.reference.iter().flatten().copied());
         let faces = integers(self.mesh.faces.iter().flatten().map(|&i| i64::from(i)));
         let counts = [self.reference.len() as i64, self.mesh.faces.len() as i64];
         let [vertex_count, face_count] = counts.map(|count| integers([count]));
@@ -47,7 +45,7 @@ impl Oracle<'_> {
         }
         let digest = sha256(&[vertex_count, face_count, vertices, faces].concat());
         let index = self.decoded.frames.len();
-        let predicted = short(&integers(self.reference.iter().flatten().copied()));
+        let predicted = short(&integers(predicted.iter().flatten().copied()));
         let before = match moved {
             Some((nodes, transforms)) => self.stages(nodes, transforms).join(" "),
             None => "- - -".into(),

@@ -58,7 +58,7 @@ impl StreamDecoder {
         };
         let decoder = &mut self.intra_decoder;
         self.group
-            .begin(|mesh| decode_intra(frame.payload, &limits, decoder, mesh))
+            .begin(frame.smoothing, |mesh| decode_intra(frame.payload, &limits, decoder, mesh))
             .map_err(|error| self.intra_error(error, payload_start))?;
         self.check_labels(payload_start)?;
         self.show(&frame.header)?;
@@ -144,13 +144,14 @@ impl StreamDecoder {
         Ok(self.finish_frame(FrameKind::Predicted))
     }
 
-    /// Rounds the reference to the grid and checks its digest.
+    /// Takes the frame's name and checks its digest.
     fn show(&mut self, header: &FrameHeader) -> Result<(), DecodeError> {
         self.frame_name.clear();
         self.frame_name.push_str(&header.name);
-        self.group.show(&mut self.shown);
         match header.positions_digest {
-            Some(digest) if self.check_digests && digest != positions_digest(&self.shown) => {
+            Some(digest)
+                if self.check_digests && digest != positions_digest(self.grid_positions()) =>
+            {
                 Err(DecodeErrorKind::Digest { frame: self.frame, what: "positions" }.into())
             }
             _ => Ok(()),
@@ -170,7 +171,7 @@ impl StreamDecoder {
             index: self.frame,
             kind,
             bytes: self.frame_bytes,
-            vertices: self.shown.len() as u32,
+            vertices: self.grid_positions().len() as u32,
             faces: self.faces().len() as u32,
             nodes,
         };
