@@ -47,7 +47,8 @@ pub(super) fn labels(
         tree: [Model::default(); 256],
     };
     let states = vec![State::Unseen; walk.conquest.vertices.len()];
-    let mut labels = Labels { walk, positions, states, mixed: VecDeque::new(), uniform: VecDeque::new() };
+    let mut labels =
+        Labels { walk, positions, states, mixed: VecDeque::new(), uniform: VecDeque::new() };
     let mut decoded = vec![0; walk.vertices];
     let mut last = 0;
     while let Some(vertex) = labels.next_vertex() {
