@@ -1,7 +1,7 @@
 //! 5.2 to 5.4: connectivity. Half-edges and vertices are plain numbers, as in the text.
 
 use super::intra::{Counts, Rule};
-use super::range::{Gamma, Model, Section};
+use super::range::{CONSUMED, Gamma, Model, Section};
 
 const NONE: usize = usize::MAX;
 
@@ -312,15 +312,28 @@ pub(super) fn connectivity(
     counts: &Counts,
 ) -> Result<(Conquest, Vec<[u32; 3]>), Rule> {
     let mut section = Section::new(bytes);
+    let decoded = conquered(&mut section, counts);
+    if section.overrun() {
+        return Err(CONSUMED);
+    }
+    let decoded = decoded?;
+    section.finish()?;
+    Ok(decoded)
+}
+
+fn conquered(
+    section: &mut Section<'_>,
+    counts: &Counts,
+) -> Result<(Conquest, Vec<[u32; 3]>), Rule> {
     let (mut conquest, mut models) = (Conquest::default(), Models::default());
     let (mut faces, simple) = (0, counts.faces - counts.raw_faces);
     for _ in 0..counts.components {
-        conquest.seed(&mut models, &mut section)?;
+        conquest.seed(&mut models, section)?;
         faces += 1;
         while let Some(gate) = conquest.gate() {
-            let symbol = conquest.symbol(gate, &mut models, &mut section)?;
+            let symbol = conquest.symbol(gate, &mut models, section)?;
             let tip = match symbol {
-                Symbol::New => conquest.new_vertex(gate, &mut models, &mut section),
+                Symbol::New => conquest.new_vertex(gate, &mut models, section),
                 Symbol::Right => conquest.end(conquest.after[gate]),
                 Symbol::Left | Symbol::Close => conquest.start(conquest.before[gate]),
                 Symbol::Jump(e) => conquest.start(e),
@@ -339,9 +352,8 @@ pub(super) fn connectivity(
     if conquest.vertices.iter().any(|vertex| vertex.lacking != 0) {
         return Err("intra.connectivity.valence");
     }
-    read_joins(&mut conquest, counts.joins, &mut section)?;
-    let faces = faces_of(&conquest, counts, &mut section)?;
-    section.finish()?;
+    read_joins(&mut conquest, counts.joins, section)?;
+    let faces = faces_of(&conquest, counts, section)?;
     Ok((conquest, faces))
 }
 

@@ -15,6 +15,7 @@ enum Stage {
     Nodes,
     Motion,
     Index,
+    End,
 }
 
 /// Keeps the order of units and the bytes and frames of the groups.
@@ -36,6 +37,7 @@ impl Framing {
         let value = line.value.number() as u64;
         match line.name.as_str() {
             "unit_type" => self.unit(value, line.bit / 8)?,
+            "unit_crc" if self.stage == Stage::Index => self.stage = Stage::End,
             "max_group_length" => self.max_group_length = value,
             "group_bytes" => self.group_bytes.push(value),
             "group_frames" => self.group_frames.push(value),
@@ -84,6 +86,6 @@ impl Framing {
 
     /// Whether the file may end here.
     pub(super) fn finish(&self) -> Result<(), Rule> {
-        if self.stage == Stage::Index { Ok(()) } else { Err(ORDER) }
+        if self.stage == Stage::End { Ok(()) } else { Err(ORDER) }
     }
 }

@@ -57,6 +57,12 @@ pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, &'static str> {
     Ok(GridMesh { positions, faces, labels })
 }
 
+/// Vertices and faces that a payload announces.
+pub(super) fn announced(payload: &[u8]) -> Result<[u64; 2], Rule> {
+    let (counts, _) = read_header(payload)?;
+    Ok([counts.vertices, counts.faces])
+}
+
 /// The header, and the bytes behind it.
 fn read_header(payload: &[u8]) -> Result<(Counts, &[u8]), Rule> {
     const HEADER: Rule = "intra.header";

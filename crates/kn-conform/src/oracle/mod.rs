@@ -27,7 +27,7 @@ use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Node, Settings, Slots, bind, blend, transform};
 use framing::Framing;
-use intra::Rule;
+use intra::{Rule, announced};
 use path::{Nodes, path};
 use smooth::smooth;
 
@@ -153,17 +153,17 @@ impl Oracle<'_> {
         else {
             return Err("unit.size.exact");
         };
-        self.mesh = decode_mesh(payload)?;
-        let counts = [self.mesh.positions.len(), self.mesh.faces.len()];
+        let counts = announced(payload)?;
         for (count, column) in counts.into_iter().zip(["max_vertices", "max_faces"]) {
             let level = number(&self.header, "level");
             let most = self.spec.map(|spec| level_limit(&spec.levels, Some(level), column));
-            if most.is_some_and(|most| count as i128 > most) {
+            if most.is_some_and(|most| i128::from(count) > most) {
                 return Err("intra.size.level");
             }
         }
+        self.mesh = decode_mesh(payload)?;
         let label_set = number(&self.header, "label_set");
-        if self.mesh.labels.len() != if label_set == 0 { 0 } else { counts[0] } {
+        if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { counts[0] } {
             return Err("intra.labels.present");
         }
         let label_count = if label_set == 1 { 15 } else { number(&self.header, "label_count") };

@@ -1,7 +1,7 @@
 //! Chapter 4: decisions from the bytes of a section.
 
 /// The rule of a section that is not consumed exactly.
-const CONSUMED: &str = "intra.sections.consumed";
+pub(super) const CONSUMED: &str = "intra.sections.consumed";
 
 /// r[range.model]
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +113,11 @@ impl<'b> Section<'b> {
         let low = extra as u32 - high;
         let value = 1 << high | self.raw(high);
         (value << low | self.raw(low)) - 1
+    }
+
+    /// Whether more was read than r[range.end] allows: what was decoded since means nothing.
+    pub(super) fn overrun(&self) -> bool {
+        self.read > self.bytes.len() + 8
     }
 
     /// r[range.end]
