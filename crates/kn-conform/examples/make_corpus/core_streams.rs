@@ -101,7 +101,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "groups",
         "Nothing of a group of frames is left in the next; the last group is short.",
-        &["conformance.access"],
+        &["conformance.access", "conformance.stages"],
         &long,
         EncoderConfig { group_length: 3, ..config() },
     )?;
