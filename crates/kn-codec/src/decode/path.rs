@@ -108,7 +108,7 @@ impl Sites<'_> {
     }
 
     /// Puts a layer in the order of the spiral: clockwise seen from above, from the node that is
-    /// nearest to `last` on (`path.ring`, `path.turn`).
+    /// nearest to `last` on (`path.ring`).
     fn wind(&self, ring: &mut [u16], last: u16) {
         let centre = self.centre(ring);
         ring.sort_unstable_by(|&a, &b| {
