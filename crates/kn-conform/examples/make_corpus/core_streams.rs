@@ -32,6 +32,9 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
         translation: TranslationChoice::Direct,
+        motion_step: 1.0,
+        scale_step: Some(1.0),
+        shear_step: Some(1.0),
         ..EncoderConfig::default()
     };
     let still = |mesh: &Mesh| vec![mesh.clone()];
