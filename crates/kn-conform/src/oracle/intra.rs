@@ -60,6 +60,7 @@ pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, &'static str> {
 /// Vertices and faces that a payload announces.
 pub(super) fn announced(payload: &[u8]) -> Result<[u64; 2], Rule> {
     let (counts, _) = read_header(payload)?;
+    check(&counts, payload.len() as u64)?;
     Ok([counts.vertices, counts.faces])
 }
 
