@@ -145,7 +145,7 @@ mod tests {
         let open: Vec<_> = edges.chunk_by(|a, b| a == b).filter(|edge| edge.len() == 1).collect();
         let length = |edge: &&[(u32, u32)]| {
             let [a, b] = [edge[0].0, edge[0].1].map(|v| mesh.positions[v as usize]);
-            (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+            (0..3).map(|k| f64::from(a[k] - b[k])).map(|d| d * d).sum::<f64>().sqrt()
         };
         (open.len(), open.iter().map(length).sum())
     }

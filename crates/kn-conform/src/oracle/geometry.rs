@@ -10,6 +10,9 @@ use super::spread::{Frame, Means, Ring, blended};
 const LIMIT: i64 = 1 << 20;
 const RANGE: Rule = "intra.geometry.range";
 
+/// #V × 3.
+type Points = Vec<[i32; 3]>;
+
 /// r[intra.geometry.error]
 #[derive(Clone, Default)]
 struct ErrorModels {
@@ -46,7 +49,7 @@ pub(super) fn geometry(
     bytes: &[u8],
     walk: &Walk<'_>,
     has_lattice: bool,
-) -> Result<(Vec<[i32; 3]>, Vec<[i32; 3]>), Rule> {
+) -> Result<(Points, Points), Rule> {
     let mut section = Section::new(bytes);
     let lattice = if has_lattice { Some(read_lattice(&mut section, walk.vertices)?) } else { None };
     let mut geometry = Geometry {
