@@ -18,7 +18,8 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern, Summary,
+    AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern,
+    NodePlacement, Summary,
 };
 
 #[cfg(feature = "encode")]

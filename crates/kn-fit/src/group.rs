@@ -18,6 +18,8 @@ pub(crate) struct Group {
     pub(crate) elimination: Elimination,
     /// Neighbours in the smoothness term.
     pub(crate) pairs: Vec<(u16, u16)>,
+    /// Vertices and number of faces of each edge.
+    pub(crate) edges: Vec<(u32, u32, u32)>,
     pub(crate) boundary: Vec<bool>,
     pub(crate) sample: Sample,
     pub(crate) all: Sample,
@@ -46,12 +48,14 @@ impl Group {
             nodes.dedup();
             together.add_clique(&nodes);
         }
+        let edges = edges(source.faces);
         let pattern = BlockPattern::new(&together, source.nodes.len());
         Ok(Self {
             elimination: Elimination::new(&pattern),
             pattern,
             pairs,
-            boundary: boundary_vertices(source.positions.len(), &edges(source.faces)),
+            boundary: boundary_vertices(source.positions.len(), &edges),
+            edges,
             sample: Sample::spread(source.positions, &areas, SAMPLES),
             all: Sample::all(&areas),
             spacing: (total / source.nodes.len() as f64).sqrt(),

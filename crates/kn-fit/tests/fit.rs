@@ -186,7 +186,11 @@ fn generated_nodes_are_as_many_as_asked_for() {
         affine: &vec![false; scene.positions.len()],
         bind: &|nodes| Ok(influence(&scene.positions, nodes)),
     };
-    let options = GenerateOptions { count: Some(60), fit: FitOptions::default() };
+    let options = GenerateOptions {
+        count: NodeCount::Exactly(60),
+        rank_by: RankBy::Distance,
+        fit: FitOptions::default(),
+    };
     let nodes = generate_nodes(&source, &scene.target, &options).expect("nodes");
     assert_eq!(nodes.len(), 60);
     assert!(nodes.windows(2).all(|pair| pair[0] < pair[1]));

@@ -10,7 +10,8 @@ use crate::arguments::Global;
 use crate::output::write_file;
 use crate::progress;
 use anyhow::{Result, anyhow};
-use choices::{AffineArgument, FrameRate, InfluenceArgument, LabelArgument, UnitArgument, UpAxis};
+use choices::{AffineArgument, FrameRate, InfluenceArgument, LabelArgument, NodeArgument};
+use choices::{PlacementArgument, UnitArgument, UpAxis};
 use kn_codec::{Encoder, EncoderConfig, GridChoice, Summary};
 use kn_deform::Combination;
 use kn_mesh::clean;
@@ -28,11 +29,12 @@ use survey::Survey;
 #[command(after_help = "\
 All frames are read once before encoding begins, so that one grid fits them all and a broken scan
 is found before any work is done. Seams are welded and degenerate and duplicate faces dropped; the
-sum is printed, --report has it frame by frame.
+sum is printed, --report has it frame by frame. Where the motion does not explain a frame, a new
+group begins there, and the reason is printed.
 
 Examples:
   kn encode 'scan/*.obj' -o dance.knm
-  kn encode scan/ -o dance.knm --bits 12 --gof 16
+  kn encode scan/ -o dance.knm --bits 12 --gof 16 --nodes auto
   kn encode scan/f_%04d.ply -o dance.knm --step 0.5 --unit mm --labels 'scan/*.labels'
   kn encode walk.glb -o walk.knm --fps 25
   kn encode scan/ -o - | kn info -")]
@@ -53,10 +55,12 @@ pub(crate) struct EncodeArguments {
     #[arg(long, value_name = "N", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..))]
     gof: u8,
-    /// Key nodes in a group
-    #[arg(long, value_name = "N", default_value_t = 150)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
-    nodes: u16,
+    /// Key nodes in a group, or `auto`: as many as pay for their bytes
+    #[arg(long, value_name = "N|auto", default_value = "150")]
+    nodes: NodeArgument,
+    /// Where key nodes are put
+    #[arg(long, value_enum, default_value_t = PlacementArgument::Generated)]
+    placement: PlacementArgument,
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
@@ -152,7 +156,9 @@ impl EncodeArguments {
                 None => GridChoice::Bits { bits: self.bits, bounds },
             },
             group_length: self.gof,
-            nodes: self.nodes.into(),
+            nodes: self.nodes.most(),
+            nodes_by_cost: self.nodes == NodeArgument::Auto,
+            placement: self.placement.into(),
             frame_rate: (self.fps.numerator, self.fps.denominator),
             unit: self.unit.into(),
             up_axis: self.up as u8,
@@ -172,7 +178,8 @@ impl EncodeArguments {
             "bits": self.step.is_none().then_some(self.bits),
             "step": self.step,
             "gof": self.gof,
-            "nodes": self.nodes,
+            "nodes": self.nodes.to_string(),
+            "placement": format!("{:?}", self.placement).to_lowercase(),
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", self.influence).to_lowercase(),
             "affine": format!("{:?}", self.affine).to_lowercase(),

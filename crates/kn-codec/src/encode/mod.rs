@@ -9,6 +9,6 @@ mod quantise;
 mod report;
 mod sequence;
 
-pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern};
+pub use config::{AffineChoice, EncoderConfig, GridChoice, NamePattern, NodePlacement};
 pub use encoder::{Encoder, Finished};
 pub use report::{FrameReport, Summary};

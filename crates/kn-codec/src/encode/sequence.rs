@@ -1,6 +1,6 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{EncoderConfig, GridChoice};
+use crate::encode::config::{EncoderConfig, GridChoice, NodePlacement};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
@@ -59,6 +59,8 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     require(header.max_group_length > 0, "a group of frames has at least one frame")?;
     require((1..=8).contains(&header.nodes_per_vertex), "nodes per vertex are 1 to 8")?;
     require(config.nodes > 0, "there must be a key node")?;
+    let evenly = config.placement == NodePlacement::Farthest;
+    require(!(config.nodes_by_cost && evenly), "nodes by cost are generated, not spread evenly")?;
     require(config.motion_step > 0.0, "the motion step is not positive")?;
     if let WeightScheme::Gaussian { sigma } = config.weights {
         require((1..1 << 20).contains(&sigma), "sigma is not 1 to 2^20 − 1 grid steps")?;

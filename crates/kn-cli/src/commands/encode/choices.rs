@@ -1,10 +1,11 @@
 //! The values that flags of `kn encode` take, and what they mean to the encoder.
 
 use clap::ValueEnum;
-use kn_codec::{AffineChoice, UnitOfLength};
+use kn_codec::{AffineChoice, NodePlacement, UnitOfLength};
 use kn_deform::{Combination, InfluenceMode};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -68,6 +69,68 @@ impl LabelArgument {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
             Some(Self::None | Self::Files(_)) => LabelSource::None,
+        }
+    }
+}
+
+/// How many key nodes a group has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NodeArgument {
+    Exactly(u16),
+    Auto,
+}
+
+/// The most nodes that `auto` takes.
+const MOST_NODES: usize = 512;
+
+impl NodeArgument {
+    /// The number, or its bound.
+    pub(super) fn most(self) -> usize {
+        match self {
+            Self::Exactly(count) => count.into(),
+            Self::Auto => MOST_NODES,
+        }
+    }
+}
+
+impl FromStr for NodeArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(count @ 1..=4096) => Ok(Self::Exactly(count)),
+            _ => Err("the number of nodes is 1 to 4096, or `auto`".into()),
+        }
+    }
+}
+
+impl fmt::Display for NodeArgument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exactly(count) => count.fmt(f),
+            Self::Auto => f.write_str("auto"),
+        }
+    }
+}
+
+/// Where key nodes are put.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PlacementArgument {
+    /// Evenly, by farthest points
+    Farthest,
+    /// Where the motion needs them, by distance to the scans
+    Generated,
+    /// The same by MSDM2, as in the paper; slower
+    Msdm2,
+}
+
+impl From<PlacementArgument> for NodePlacement {
+    fn from(argument: PlacementArgument) -> Self {
+        match argument {
+            PlacementArgument::Farthest => Self::Farthest,
+            PlacementArgument::Generated => Self::Generated,
+            PlacementArgument::Msdm2 => Self::GeneratedByMsdm2,
         }
     }
 }
@@ -174,6 +237,15 @@ mod tests {
         assert_eq!(rate("30000/1001"), Ok((30000, 1001)));
         for bad in ["", "0", "-1", "1/0", "0/1", "x", "1.", "1e3", "1.23456", "9999999999"] {
             assert!(rate(bad).is_err() || bad == "1.", "{bad}");
+        }
+    }
+
+    #[test]
+    fn node_numbers_are_in_range() {
+        assert_eq!("150".parse(), Ok(NodeArgument::Exactly(150)));
+        assert_eq!("auto".parse(), Ok(NodeArgument::Auto));
+        for bad in ["0", "4097", "-1", "70000", "many", ""] {
+            assert!(bad.parse::<NodeArgument>().is_err(), "{bad}");
         }
     }
 

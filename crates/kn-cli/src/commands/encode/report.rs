@@ -39,7 +39,7 @@ struct CodedEntry {
     nodes: u32,
     combination: Option<&'static str>,
     fit_rms: f64,
-    warning: Option<String>,
+    reason: Option<String>,
 }
 
 impl Report {
@@ -65,15 +65,16 @@ impl Report {
             nodes: frame.nodes,
             combination: frame.combination.map(|combination| combination.name()),
             fit_rms: frame.fit_rms,
-            warning: frame.warning,
+            reason: frame.reason,
         });
     }
 
-    /// Tells the user the sum, and every warning.
+    /// Tells the user the sum, and why I-frames came early.
     pub(super) fn tell(&self, summary: &Summary, seconds: f64, name: &str, global: &Global) {
         for (index, frame) in self.frames.iter().enumerate() {
-            if let Some(warning) = frame.coded.as_ref().and_then(|coded| coded.warning.as_ref()) {
-                global.note(format_args!("{}: frame {index}: {warning}", frame.file.display()));
+            if let Some(reason) = frame.coded.as_ref().and_then(|coded| coded.reason.as_ref()) {
+                let file = frame.file.display();
+                global.note(format_args!("{file}: frame {index}: a new I-frame, since {reason}"));
             }
         }
         if self.cleaned.changed() {
