@@ -74,22 +74,18 @@ const REMOVED_SHARE: f64 = 0.3;
 const CONTROL: f64 = 0.01;
 /// A change of a vertex costs at least this many times the mean squared error, so that where nothing
 /// moves in the key frame the nodes stay evenly spread.
-const PRIOR: f64 = 5.0;
+const PRIOR: f64 = 10.0;
 /// Rounds after the number is reached, in which the nodes that matter least move to where the
 /// error is highest.
-const MOVING_ROUNDS: usize = 4;
+const MOVING_ROUNDS: usize = 3;
 /// The share of the nodes that move in such a round.
-const MOVED_SHARE: f64 = 0.08;
+const MOVED_SHARE: f64 = 0.1;
 /// Inserted nodes keep this share of the node spacing from all others.
-const DISTANCE: f64 = 0.35;
+const DISTANCE: f64 = 0.5;
 /// Distances are averaged so many times over the vertices around each.
 const SMOOTHING: usize = 8;
 /// Bound on all rounds.
 const MAX_ROUNDS: usize = 8;
-
-fn env(n: &str, d: f64) -> f64 {
-    std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d)
-}
 
 /// Chooses nodes (`#N` vertex indices, rising) such that their motion explains `key`, a frame of
 /// the group with much motion. `None` where even the dense set cannot track it.
@@ -116,7 +112,7 @@ pub fn generate_nodes(
         return Ok(None);
     }
     let mut moving_rounds = 0;
-    for _ in 0..env("MAXR", MAX_ROUNDS as f64) as usize {
+    for _ in 0..MAX_ROUNDS {
         let wanted = match options.count {
             NodeCount::Exactly(count) => count,
             NodeCount::Paying { most, price } => trial.paying(price).min(most),
@@ -125,9 +121,9 @@ pub fn generate_nodes(
         let (removed, inserted) = if count > wanted {
             let most = (REMOVED_SHARE * count as f64).ceil() as usize;
             (trial.removable(most.min(count - wanted)), Vec::new())
-        } else if moving_rounds < env("ROUNDS", MOVING_ROUNDS as f64) as usize {
+        } else if moving_rounds < MOVING_ROUNDS {
             moving_rounds += 1;
-            let removed = trial.removable((env("SHARE", MOVED_SHARE) * count as f64) as usize);
+            let removed = trial.removable((MOVED_SHARE * count as f64) as usize);
             let inserted = trial.insertable(wanted.saturating_sub(count - removed.len()))?;
             (removed, inserted)
         } else {
@@ -145,7 +141,7 @@ pub fn generate_nodes(
 
 fn dense_count(count: NodeCount, vertices: usize) -> usize {
     let dense = match count {
-        NodeCount::Exactly(count) => (env("DENS", DENSITY) * count as f64).ceil() as usize,
+        NodeCount::Exactly(count) => (DENSITY * count as f64).ceil() as usize,
         NodeCount::Paying { most, .. } => (vertices / VERTICES_PER_NODE).min(most),
     };
     dense.clamp(1, crate::MAX_NODES)

@@ -148,7 +148,7 @@ impl<'a> Trial<'a> {
     /// Up to `most` nodes of the lowest cost, no two of which control the same vertex, and not the
     /// last one of a region.
     pub(super) fn removable(&self, most: usize) -> Vec<usize> {
-        let costs = self.removal_costs(super::env("PRIOR", PRIOR));
+        let costs = self.removal_costs(PRIOR);
         let mut left = [0usize; 256];
         (0..self.nodes.len()).for_each(|node| left[self.region(node)] += 1);
         let mut controlled = vec![Vec::new(); self.nodes.len()];
@@ -205,7 +205,7 @@ impl<'a> Trial<'a> {
                 }
             }
         }
-        for _ in 0..super::env("SM", SMOOTHING as f64) as usize {
+        for _ in 0..SMOOTHING {
             self.smooth(&mut ranks);
         }
         Ok(ranks)
@@ -234,7 +234,7 @@ impl<'a> Trial<'a> {
     /// and from each other.
     pub(super) fn insertable(&self, most: usize) -> Result<Vec<u32>, FitError> {
         let Setting { source, areas, area, .. } = self.setting;
-        let apart = super::env("DIST", DISTANCE) * (area / self.nodes.len() as f64).sqrt();
+        let apart = DISTANCE * (area / self.nodes.len() as f64).sqrt();
         let ranks = self.ranks()?;
         let mut taken: Vec<Vec3> =
             self.nodes.iter().map(|&v| source.positions[v as usize]).collect();
