@@ -82,7 +82,8 @@ fn a_limb_that_is_gone() {
         });
         *mesh = kn_mesh::clean(mesh).expect("sound").mesh;
     }
-    begins_anew_at_the_change(&frames, &["of the reference"]);
+    // Where the arm hung beside the body, much of it lies near a surface that faces the other way.
+    begins_anew_at_the_change(&frames, &["of the reference", "no partner"]);
 }
 
 #[test]
