@@ -8,7 +8,6 @@ mod trial;
 
 use crate::error::FitError;
 use crate::options::FitOptions;
-use crate::place::place_farthest;
 use crate::source::check_length;
 use crate::target::FitTarget;
 use kn_deform::Influence;
@@ -70,6 +69,8 @@ const DENSITY: f64 = 1.15;
 const VERTICES_PER_NODE: usize = 40;
 /// One round removes at most this share of the nodes.
 const REMOVED_SHARE: f64 = 0.3;
+/// The number by cost is found when less than this share goes in a round.
+const FEW: f64 = 0.05;
 /// Two nodes with more than this weight on one vertex are never removed together (the paper's).
 const CONTROL: f64 = 0.01;
 /// A change of a vertex costs at least this many times the mean squared error, so that where nothing
@@ -93,6 +94,7 @@ const MAX_ROUNDS: usize = 8;
 /// # Errors
 /// As [`place_farthest`] and [`Fitter::new`]; what `bind` returns.
 ///
+/// [`place_farthest`]: crate::place_farthest
 /// [`Fitter::new`]: crate::Fitter::new
 pub fn generate_nodes(
     source: &NodeSource,
@@ -100,31 +102,31 @@ pub fn generate_nodes(
     options: &GenerateOptions,
 ) -> Result<Option<Vec<u32>>, FitError> {
     check_length("affine", source.affine.len(), source.positions.len())?;
-    let dense = dense_count(options.count, source.positions.len());
-    let nodes = place_farthest(source.positions, source.faces, source.regions, dense)?;
     let setting = Setting::new(source, key, &options.fit);
     let setting = match options.rank_by {
         RankBy::Distance => setting,
         RankBy::Msdm2 => setting.with_msdm2()?,
     };
-    let mut trial = Trial::dense(&setting, nodes)?;
+    let count = match options.count {
+        NodeCount::Exactly(count) => count,
+        NodeCount::Paying { most, price } => match paying(&setting, most, price)? {
+            Some(count) => count,
+            None => return Ok(None),
+        },
+    };
+    let mut trial = Trial::dense(&setting, (DENSITY * count as f64).ceil() as usize)?;
     if trial.failed {
         return Ok(None);
     }
     let mut moving_rounds = 0;
     for _ in 0..MAX_ROUNDS {
-        let wanted = match options.count {
-            NodeCount::Exactly(count) => count,
-            NodeCount::Paying { most, price } => trial.paying(price).min(most),
-        };
-        let count = trial.nodes.len();
-        let (removed, inserted) = if count > wanted {
-            let most = (REMOVED_SHARE * count as f64).ceil() as usize;
-            (trial.removable(most.min(count - wanted)), Vec::new())
+        let surplus = trial.nodes.len().saturating_sub(count);
+        let (removed, inserted) = if surplus > 0 {
+            (trial.removable(surplus.min(trial.share(REMOVED_SHARE))), Vec::new())
         } else if moving_rounds < MOVING_ROUNDS {
             moving_rounds += 1;
-            let removed = trial.removable((MOVED_SHARE * count as f64) as usize);
-            let inserted = trial.insertable(wanted.saturating_sub(count - removed.len()))?;
+            let removed = trial.removable(trial.share(MOVED_SHARE));
+            let inserted = trial.insertable(count + removed.len() - trial.nodes.len())?;
             (removed, inserted)
         } else {
             break;
@@ -139,10 +141,21 @@ pub fn generate_nodes(
     Ok(Some(nodes))
 }
 
-fn dense_count(count: NodeCount, vertices: usize) -> usize {
-    let dense = match count {
-        NodeCount::Exactly(count) => (DENSITY * count as f64).ceil() as usize,
-        NodeCount::Paying { most, .. } => (vertices / VERTICES_PER_NODE).min(most),
-    };
-    dense.clamp(1, crate::MAX_NODES)
+/// How many nodes are worth their price: those that are not go from a dense set, until what is
+/// left pays. `None` where the key frame cannot be tracked.
+fn paying(setting: &Setting, most: usize, price: f64) -> Result<Option<usize>, FitError> {
+    let mut trial = Trial::dense(setting, (setting.vertices() / VERTICES_PER_NODE).min(most))?;
+    if trial.failed {
+        return Ok(None);
+    }
+    for _ in 0..MAX_ROUNDS {
+        let surplus = trial.nodes.len() - trial.paying(price);
+        let removed = trial.removable(surplus.min(trial.share(REMOVED_SHARE)));
+        // A few that stand in each other's way are not worth another round.
+        if removed.len() < trial.share(FEW) {
+            break;
+        }
+        trial = trial.changed(&removed, &[])?;
+    }
+    Ok(Some(trial.paying(price)))
 }

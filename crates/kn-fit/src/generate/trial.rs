@@ -4,6 +4,7 @@ use super::{CONTROL, DISTANCE, NodeSource, PRIOR, SMOOTHING};
 use crate::error::{FitError, Side};
 use crate::fitter::Fitter;
 use crate::options::FitOptions;
+use crate::place::place_farthest;
 use crate::source::FitSource;
 use crate::surface::vertex_areas;
 use crate::target::FitTarget;
@@ -29,6 +30,10 @@ impl<'a> Setting<'a> {
     pub(super) fn new(source: &'a NodeSource<'a>, key: &'a FitTarget, fit: &'a FitOptions) -> Self {
         let areas = vertex_areas(source.positions, source.faces);
         Self { area: areas.iter().sum(), areas, source, key, fit, original: None }
+    }
+
+    pub(super) fn vertices(&self) -> usize {
+        self.source.positions.len()
     }
 
     /// Prepares ranks by MSDM2.
@@ -62,9 +67,16 @@ pub(super) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// The first set, fitted from rest.
-    pub(super) fn dense(setting: &'a Setting<'a>, nodes: Vec<u32>) -> Result<Self, FitError> {
-        Self::fit(setting, nodes, None)
+    /// About `count` farthest points, fitted from rest.
+    pub(super) fn dense(setting: &'a Setting<'a>, count: usize) -> Result<Self, FitError> {
+        let NodeSource { positions, faces, regions, .. } = *setting.source;
+        let count = count.clamp(1, crate::MAX_NODES);
+        Self::fit(setting, place_farthest(positions, faces, regions, count)?, None)
+    }
+
+    /// So many nodes are a share of all, at least one.
+    pub(super) fn share(&self, share: f64) -> usize {
+        (share * self.nodes.len() as f64).ceil() as usize
     }
 
     /// Fits from `motion`, or from rest where it is `None`.
