@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kn_codec::{Limits, Progress, StreamDecoder, digest};
-use kn_conform::{Spec, Stream, count_affine_by_label, judge, load_corpus, run_ours, stream_trace};
+use kn_conform::{Spec, Stream, judge, load_corpus, node_labels, run_ours, stream_trace};
 use kn_mesh::Mesh;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -32,7 +32,7 @@ fn check(spec: &Spec, stream: &Stream) -> Result<(), Failed> {
     let bytes = std::fs::read(&stream.path)?;
     ensure(bytes.len() <= 64 << 10, "the stream is larger than 64 KiB")?;
     let text = std::fs::read_to_string(stream.path.with_extension("txt"))?;
-    let assembled = spec.assemble(&text, &count_affine_by_label)?;
+    let assembled = spec.assemble(&text, &node_labels)?;
     ensure(assembled == bytes, "the text assembles to other bytes")?;
     if stream.description.rule.is_none() { check_sound(spec, stream, &bytes) } else { Ok(()) }
 }
@@ -40,7 +40,7 @@ fn check(spec: &Spec, stream: &Stream) -> Result<(), Failed> {
 fn check_sound(spec: &Spec, stream: &Stream, bytes: &[u8]) -> Result<(), Failed> {
     let (by_decoder, result) = stream_trace(bytes);
     result?;
-    let by_tables = spec.parse(bytes, &count_affine_by_label)?;
+    let by_tables = spec.parse(bytes, &node_labels)?;
     for (decoder, tables) in by_decoder.iter().zip(&by_tables) {
         if decoder != tables {
             return Err(format!("the decoder reads {decoder}, the tables {tables}").into());
@@ -49,8 +49,8 @@ fn check_sound(spec: &Spec, stream: &Stream, bytes: &[u8]) -> Result<(), Failed>
     ensure(by_decoder.len() == by_tables.len(), "one of the parsers reads more elements")?;
     let literal = spec.reconstruct(bytes)?;
     ensure(literal == stream.description.frames, "read literally it decodes otherwise")?;
-    let text = spec.disassemble(bytes, &count_affine_by_label)?;
-    let again = spec.assemble(&text, &count_affine_by_label)?;
+    let text = spec.disassemble(bytes, &node_labels)?;
+    let again = spec.assemble(&text, &node_labels)?;
     ensure(again == bytes, "taken apart and assembled it is another stream")?;
     let digests = decode_byte_by_byte(bytes)?;
     let recorded = stream.description.frames.iter().filter_map(|line| line.rsplit(' ').next());

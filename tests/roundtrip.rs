@@ -3,7 +3,9 @@
 mod common;
 
 use common::{decode, encode, performer, small_config};
-use kn_codec::{AffineChoice, Decoder, EncoderConfig, FrameKind, GridChoice, NamePattern};
+use kn_codec::{
+    AffineChoice, Decoder, EncoderConfig, FrameKind, GridChoice, NamePattern, SmoothingChoice,
+};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 use std::io::Cursor;
@@ -87,28 +89,53 @@ fn seeking_shows_the_frame_that_decoding_in_order_shows() {
     assert_eq!(error.to_string(), "there is no frame 8; the stream has 8");
 }
 
-/// An I-frame gives every vertex back within half a grid step, and every face.
+/// Without smoothing an I-frame gives every vertex back on its grid point, and every face.
 #[test]
 fn an_intra_frame_is_the_scan_on_the_grid() {
     let frames = performer(1, 3000);
     let step = 0.004;
     let grid = GridChoice::Step { step, bounds: None };
-    let decoded = decode(&encode(&frames, EncoderConfig { grid, ..small_config() }));
+    let smoothing = SmoothingChoice::Strength(0);
+    let decoded = decode(&encode(&frames, EncoderConfig { grid, smoothing, ..small_config() }));
     let (scan, shown) = (&frames[0], &decoded[0].mesh);
     assert_eq!(scan.positions.len(), shown.positions.len());
     assert_eq!(scan.faces.len(), shown.faces.len());
     let mut scan_corners: Vec<_> = scan.positions.iter().map(|p| on_grid(*p, scan, step)).collect();
     let origin = scan.bounding_box().expect("vertices").min;
-    let mut shown_corners = decoded[0].positions.clone();
+    let unit = f64::from(1 << small_config().fraction_bits);
+    let mut shown_corners: Vec<_> =
+        decoded[0].positions.iter().map(|p| p.map(|c| c >> small_config().fraction_bits)).collect();
     scan_corners.sort_unstable();
     shown_corners.sort_unstable();
     assert_eq!(scan_corners, shown_corners);
     for (integer, world) in decoded[0].positions.iter().zip(&shown.positions) {
         for axis in 0..3 {
-            let expected = origin[axis] + step * f64::from(integer[axis]);
+            assert_eq!(f64::from(integer[axis]) % unit, 0.0);
+            let expected = origin[axis] + step * f64::from(integer[axis]) / unit;
             assert_eq!(world[axis], expected as f32);
         }
     }
+}
+
+/// Smoothing moves no coordinate by more than half a grid step, and brings the surface closer.
+#[test]
+fn smoothing_stays_inside_the_grid_s_uncertainty() {
+    let frames = performer(1, 3000);
+    let decoded = |smoothing| {
+        let grid = GridChoice::Bits { bits: 8, bounds: None };
+        decode(&encode(&frames, EncoderConfig { grid, smoothing, ..small_config() }))
+    };
+    let plain = &decoded(SmoothingChoice::Strength(0))[0].positions;
+    let half_step = (1 << small_config().fraction_bits) / 2;
+    let mut last = plain.clone();
+    for strength in 1..=5 {
+        let smooth = decoded(SmoothingChoice::Strength(strength)).remove(0).positions;
+        let moves = smooth.iter().flatten().zip(plain.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(moves.max() <= Some(half_step));
+        assert_ne!(smooth, last, "strength {strength}");
+        last = smooth;
+    }
+    assert_ne!(decoded(SmoothingChoice::Auto)[0].positions, *plain, "8 bits are coarse");
 }
 
 fn on_grid(position: [f32; 3], scan: &Mesh, step: f64) -> [i32; 3] {

@@ -50,6 +50,9 @@ impl FrameHeader {
     }
 }
 
+/// Greatest strength of smoothing (`intra.smoothing.range`).
+pub const MAX_SMOOTHING: u8 = 5;
+
 /// An I-frame: the coded mesh is chapter 5's business.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntraFrame<'a> {
@@ -57,6 +60,8 @@ pub struct IntraFrame<'a> {
     pub header: FrameHeader,
     /// First eight bytes of the SHA-256 of the faces; present with the positions' digest.
     pub faces_digest: Option<u64>,
+    /// How strongly the decoded positions are smoothed, 0 to [`MAX_SMOOTHING`]; 0 is not at all.
+    pub smoothing: u8,
     /// The coded mesh.
     pub payload: &'a [u8],
 }
@@ -68,9 +73,11 @@ impl<'a> IntraFrame<'a> {
         header.read(bits)?;
         let digest_present = header.positions_digest.is_some();
         let faces_digest = if digest_present { Some(bits.u("faces_digest", 64)?) } else { None };
+        let smoothing = bits.u8("smoothing_strength", 8)?;
+        bits.require(smoothing <= MAX_SMOOTHING, rule::INTRA_SMOOTHING_RANGE)?;
         let size = bits.uleb("intra_size")?;
         let payload = bits.bytes("intra_payload", size)?;
-        Ok(Self { header, faces_digest, payload })
+        Ok(Self { header, faces_digest, smoothing, payload })
     }
 
     /// Writes the frame; the mirror of [`Self::read`].
@@ -80,6 +87,7 @@ impl<'a> IntraFrame<'a> {
         if let Some(digest) = self.faces_digest {
             bits.u(digest, 64);
         }
+        bits.u(u64::from(self.smoothing), 8);
         bits.uleb(self.payload.len() as u32);
         bits.bytes(self.payload);
     }
@@ -99,7 +107,7 @@ mod tests {
     fn reads_what_it_writes() {
         let named = FrameHeader { name: "first scan".into(), positions_digest: Some(u64::MAX) };
         let frames = [
-            IntraFrame { header: named, faces_digest: Some(1), payload: b"mesh" },
+            IntraFrame { header: named, faces_digest: Some(1), smoothing: 5, payload: b"mesh" },
             IntraFrame { payload: &[0; 200], ..IntraFrame::default() },
         ];
         for frame in frames {

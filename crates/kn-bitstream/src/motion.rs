@@ -2,18 +2,36 @@
 
 use crate::error::Error;
 use crate::frame::FrameHeader;
-use crate::huffman::{CauchyTable, TABLE_COUNT, cauchy_table};
+use crate::huffman::{TABLE_COUNT, cauchy_table};
 use crate::reader::BitReader;
 use crate::rule;
 use crate::writer::BitWriter;
+use std::ops::RangeInclusive;
 
-/// What must be known to read a P-frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What must be known to read or write a P-frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MotionContext {
     /// Nodes of the group of frames.
     pub node_count: u32,
     /// How many of them are affine.
     pub affine_count: u32,
+    /// How many different labels they have.
+    pub part_count: u32,
+    /// `translation_table` of the P-frame before; `None` in the first P-frame of a group.
+    pub previous_table: Option<u8>,
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum TranslationMode {
+    /// Nothing.
+    #[default]
+    Direct,
+    /// The node before on a path over the influence graph.
+    Spatial,
+    /// The node's own translation in the frame before and a change that its part has in common.
+    SpatioTemporal,
 }
 
 /// The motion of a P-frame in quantised values.
@@ -25,6 +43,8 @@ pub struct MotionContext {
 pub struct MotionFrame {
     /// What stands before every frame.
     pub header: FrameHeader,
+    /// What `translation` is relative to.
+    pub translation_mode: TranslationMode,
     /// Components of the affine nodes.
     pub enabled: Components,
     /// s of [`translation_step`], below 64.
@@ -39,7 +59,10 @@ pub struct MotionFrame {
     pub shear_step: u8,
     /// Huffman table of rotation, scale and shear.
     pub parameter_table: u8,
-    /// #N × 3.
+    /// PartCount × 3 where the mode is [`TranslationMode::SpatioTemporal`], else empty; in the step
+    /// and the table of the P-frame before.
+    pub translation_change: Vec<[i32; 3]>,
+    /// #N × 3, what is left of the translations after prediction.
     pub translation: Vec<[i32; 3]>,
     /// RotationCount × 3, about x, y, z.
     pub rotation: Vec<[i32; 3]>,
@@ -58,6 +81,20 @@ pub struct Components {
     pub scale: bool,
     /// H.
     pub shear: bool,
+}
+
+impl TranslationMode {
+    fn read(bits: &mut BitReader<'_, '_>, context: &MotionContext) -> Result<Self, Error> {
+        let mode = match bits.u("translation_mode", 2)? {
+            0 => Self::Direct,
+            1 => Self::Spatial,
+            2 => Self::SpatioTemporal,
+            _ => return Err(Error::unsupported(rule::MOTION_TRANSLATION_KNOWN, bits.position())),
+        };
+        let known = mode != Self::SpatioTemporal || context.previous_table.is_some();
+        bits.require(known, rule::MOTION_TRANSLATION_FIRST)?;
+        Ok(mode)
+    }
 }
 
 impl Components {
@@ -81,7 +118,7 @@ pub fn parameter_step(s: u8) -> i64 {
 }
 
 /// Translations are smaller than this in magnitude, in units of 2^-`fraction_bits` grid steps.
-const TRANSLATION_LIMIT: i64 = 1 << 28;
+pub const TRANSLATION_LIMIT: i64 = 1 << 28;
 /// 1 in units of [`parameter_step`].
 const ONE: i64 = 1 << 16;
 
@@ -100,8 +137,7 @@ impl MotionFrame {
         bits.require_supported(entropy_mode == 0, rule::MOTION_ENTROPY_KNOWN)?;
         let residual_present = bits.flag("residual_present")?;
         bits.require_supported(!residual_present, rule::MOTION_RESIDUAL_KNOWN)?;
-        let translation_mode = bits.u("translation_mode", 2)?;
-        bits.require_supported(translation_mode == 0, rule::MOTION_TRANSLATION_KNOWN)?;
+        self.translation_mode = TranslationMode::read(bits, context)?;
         self.enabled.rotation = bits.flag("rotation_enabled")?;
         self.enabled.scale = bits.flag("scale_enabled")?;
         self.enabled.shear = bits.flag("shear_enabled")?;
@@ -129,54 +165,43 @@ impl MotionFrame {
         context: &MotionContext,
     ) -> Result<(), Error> {
         let [rotations, scales, shears] = self.enabled.counts(context);
-        let list = List {
-            name: "translation",
-            count: context.node_count,
-            table: cauchy_table(self.translation_table),
-            step: translation_step(self.translation_step),
-            low: 1 - TRANSLATION_LIMIT,
-            high: TRANSLATION_LIMIT - 1,
-            rule: rule::MOTION_TRANSLATION_RANGE,
-        };
+        let (parts, table) = self.changes(context);
+        let list = List { name: "translation_change", count: parts, table, bounds: None };
+        list.read(bits, &mut self.translation_change)?;
+        let (count, table) = (context.node_count, self.translation_table);
+        let list = List { name: "translation", count, table, bounds: None };
         list.read(bits, &mut self.translation)?;
-        let table = cauchy_table(self.parameter_table);
-        let list = List {
-            name: "rotation",
-            count: rotations,
-            table,
-            step: parameter_step(self.rotation_step),
-            low: -4 * ONE,
-            high: 4 * ONE,
-            rule: rule::MOTION_ROTATION_RANGE,
+        let parameter = |name, count, step, range, rule| List {
+            name,
+            count,
+            table: self.parameter_table,
+            bounds: Some(Bounds { step: parameter_step(step), range, rule }),
         };
-        list.read(bits, &mut self.rotation)?;
-        let list = List {
-            name: "scale",
-            count: scales,
-            table,
-            step: parameter_step(self.scale_step),
-            low: 1 - ONE,
-            high: 7 * ONE,
-            rule: rule::MOTION_SCALE_RANGE,
-        };
-        list.read(bits, &mut self.scale)?;
-        let list = List {
-            name: "shear",
-            count: shears,
-            table,
-            step: parameter_step(self.shear_step),
-            low: -8 * ONE,
-            high: 8 * ONE,
-            rule: rule::MOTION_SHEAR_RANGE,
-        };
-        list.read(bits, &mut self.shear)
+        let range = -4 * ONE..=4 * ONE;
+        parameter("rotation", rotations, self.rotation_step, range, rule::MOTION_ROTATION_RANGE)
+            .read(bits, &mut self.rotation)?;
+        let range = 1 - ONE..=7 * ONE;
+        parameter("scale", scales, self.scale_step, range, rule::MOTION_SCALE_RANGE)
+            .read(bits, &mut self.scale)?;
+        let range = -8 * ONE..=8 * ONE;
+        parameter("shear", shears, self.shear_step, range, rule::MOTION_SHEAR_RANGE)
+            .read(bits, &mut self.shear)
+    }
+
+    /// How many changes the frame has, and the table that they are coded with.
+    fn changes(&self, context: &MotionContext) -> (u32, u8) {
+        match (self.translation_mode, context.previous_table) {
+            (TranslationMode::SpatioTemporal, Some(table)) => (context.part_count, table),
+            _ => (0, 0),
+        }
     }
 
     /// Writes the frame; the mirror of [`Self::read`].
-    pub fn write(&self, bits: &mut BitWriter) {
+    pub fn write(&self, bits: &mut BitWriter, context: &MotionContext) {
         self.header.write(bits);
-        // reference_mode, entropy_mode, residual_present, translation_mode.
-        bits.u(0, 6);
+        // reference_mode, entropy_mode, residual_present.
+        bits.u(0, 4);
+        bits.u(self.translation_mode as u64, 2);
         bits.flag(self.enabled.rotation);
         bits.flag(self.enabled.scale);
         bits.flag(self.enabled.shear);
@@ -192,6 +217,7 @@ impl MotionFrame {
         if sent.count() > 0 {
             bits.u(u64::from(self.parameter_table), 6);
         }
+        write_list(bits, &self.translation_change, self.changes(context).1);
         write_list(bits, &self.translation, self.translation_table);
         for (list, _) in parameters {
             write_list(bits, list, self.parameter_table);
@@ -199,27 +225,34 @@ impl MotionFrame {
     }
 }
 
-/// One list of quantised triples and what holds for its values.
+/// One list of quantised triples.
 struct List {
     name: &'static str,
     count: u32,
-    table: &'static CauchyTable,
+    table: u8,
+    /// None where the bounds are those of the sum with a prediction, which the decoder checks.
+    bounds: Option<Bounds>,
+}
+
+/// What holds for value · step.
+struct Bounds {
     step: i64,
-    /// Bounds of value · step.
-    low: i64,
-    high: i64,
+    range: RangeInclusive<i64>,
     rule: &'static str,
 }
 
 impl List {
     fn read(&self, bits: &mut BitReader<'_, '_>, values: &mut Vec<[i32; 3]>) -> Result<(), Error> {
+        let table = cauchy_table(self.table);
         values.clear();
         for node in 0..self.count {
             let mut triple = [0; 3];
             for axis in 0..3 {
-                let value = bits.huffman((self.name, node, axis as u32), self.table)?;
-                let scaled = i64::from(value) * self.step;
-                bits.require((self.low..=self.high).contains(&scaled), self.rule)?;
+                let value = bits.huffman((self.name, node, axis as u32), table)?;
+                if let Some(bounds) = &self.bounds {
+                    let inside = bounds.range.contains(&(i64::from(value) * bounds.step));
+                    bits.require(inside, bounds.rule)?;
+                }
                 triple[axis] = value;
             }
             values.push(triple);
@@ -257,16 +290,33 @@ mod tests {
     }
 
     prop_compose! {
-        fn context()(node_count in 1..30_u32, affine in 0..30_u32) -> MotionContext {
-            MotionContext { node_count, affine_count: affine.min(node_count) }
+        fn context()(
+            node_count in 1..30_u32,
+            affine in 0..30_u32,
+            parts in 1..9_u32,
+            previous_table in prop::option::of(0..TABLE_COUNT),
+        ) -> MotionContext {
+            let (affine_count, part_count) = (affine.min(node_count), parts.min(node_count));
+            MotionContext { node_count, affine_count, part_count, previous_table }
         }
     }
 
+    /// Modes that a frame may have in this place.
+    fn modes(context: &MotionContext) -> Vec<TranslationMode> {
+        let mut modes = vec![TranslationMode::Direct, TranslationMode::Spatial];
+        modes.extend(context.previous_table.map(|_| TranslationMode::SpatioTemporal));
+        modes
+    }
+
     fn motion() -> impl Strategy<Value = (MotionContext, MotionFrame)> {
-        (context(), components()).prop_flat_map(|(context, enabled)| {
+        let context = context()
+            .prop_flat_map(|context| (Just(context), prop::sample::select(modes(&context))));
+        (context, components()).prop_flat_map(|((context, translation_mode), enabled)| {
             let enabled = if context.affine_count > 0 { enabled } else { Components::default() };
             let [rotations, scales, shears] = enabled.counts(&context);
+            let temporal = translation_mode == TranslationMode::SpatioTemporal;
             let lists = (
+                triples(1 << 12, if temporal { context.part_count } else { 0 }),
                 triples(1 << 19, context.node_count),
                 triples(900, rotations),
                 triples(200, scales),
@@ -278,6 +328,7 @@ mod tests {
                 let table = if rotations + scales + shears > 0 { tables.1 } else { 0 };
                 let frame = MotionFrame {
                     header: FrameHeader { name: String::new(), positions_digest: Some(7) },
+                    translation_mode,
                     enabled,
                     translation_step: step,
                     translation_table: tables.0,
@@ -285,10 +336,11 @@ mod tests {
                     scale_step: any(scales),
                     shear_step: any(shears),
                     parameter_table: table,
-                    translation: lists.0,
-                    rotation: lists.1,
-                    scale: lists.2,
-                    shear: lists.3,
+                    translation_change: lists.0,
+                    translation: lists.1,
+                    rotation: lists.2,
+                    scale: lists.3,
+                    shear: lists.4,
                 };
                 (context, frame)
             })
@@ -303,9 +355,9 @@ mod tests {
         Ok(frame)
     }
 
-    fn written(frame: &MotionFrame) -> Vec<u8> {
+    fn written(frame: &MotionFrame, context: &MotionContext) -> Vec<u8> {
         let mut bits = BitWriter::new();
-        frame.write(&mut bits);
+        frame.write(&mut bits, context);
         bits.into_bytes()
     }
 
@@ -319,18 +371,14 @@ mod tests {
             prop_assume!(fits(&frame.rotation, -4 * ONE, 4 * ONE));
             prop_assume!(fits(&frame.scale, 1 - ONE, 7 * ONE));
             prop_assume!(fits(&frame.shear, -8 * ONE, 8 * ONE));
-            let far = frame.translation.as_flattened().iter().any(|&q| {
-                (i64::from(q) * translation_step(frame.translation_step)).abs() >= TRANSLATION_LIMIT
-            });
-            let expected = if far { None } else { Some(frame.clone()) };
-            prop_assert_eq!(read(&written(&frame), &context).ok(), expected);
+            prop_assert_eq!(read(&written(&frame, &context), &context), Ok(frame));
         }
     }
 
     #[test]
     fn a_reused_frame_forgets_the_last_one() {
-        let one = MotionContext { node_count: 1, affine_count: 0 };
-        let three = MotionContext { node_count: 3, affine_count: 0 };
+        let one = MotionContext { node_count: 1, ..MotionContext::default() };
+        let three = MotionContext { node_count: 3, ..MotionContext::default() };
         let still = |count| MotionFrame {
             translation: vec![[0; 3]; count],
             rotation: vec![[0; 3]; count],
@@ -338,7 +386,7 @@ mod tests {
         };
         let mut frame = MotionFrame::default();
         for (context, count) in [(three, 3), (one, 1)] {
-            let bytes = written(&still(count));
+            let bytes = written(&still(count), &context);
             frame.read(&mut BitReader::new(&bytes), &context).expect("sound");
             assert_eq!(frame, still(count));
         }
@@ -346,7 +394,7 @@ mod tests {
 
     #[test]
     fn a_scale_never_reflects() {
-        let context = MotionContext { node_count: 1, affine_count: 1 };
+        let context = MotionContext { node_count: 1, affine_count: 1, ..MotionContext::default() };
         let frame = |q| MotionFrame {
             enabled: Components { scale: true, ..Components::default() },
             scale_step: 40, // 2^12 units of 2^-16: q = -16 takes the scale to zero.
@@ -354,22 +402,36 @@ mod tests {
             scale: vec![[q, 0, 0]],
             ..MotionFrame::default()
         };
-        assert!(read(&written(&frame(-15)), &context).is_ok());
-        let error = read(&written(&frame(-16)), &context).expect_err("a flat node");
+        assert!(read(&written(&frame(-15), &context), &context).is_ok());
+        let error = read(&written(&frame(-16), &context), &context).expect_err("a flat node");
         assert_eq!(error.rule(), Some(rule::MOTION_SCALE_RANGE));
     }
 
     #[test]
     fn rigid_nodes_enable_nothing() {
-        let context = MotionContext { node_count: 1, affine_count: 0 };
+        let context = MotionContext { node_count: 1, ..MotionContext::default() };
         let frame = MotionFrame {
             enabled: Components { shear: true, ..Components::default() },
             translation: vec![[0; 3]],
             rotation: vec![[0; 3]],
             ..MotionFrame::default()
         };
-        let error = read(&written(&frame), &context).expect_err("nothing to shear");
+        let error = read(&written(&frame, &context), &context).expect_err("nothing to shear");
         assert_eq!(error.rule(), Some(rule::MOTION_ENABLED_AFFINE));
+    }
+
+    #[test]
+    fn the_first_frame_has_no_frame_before_it() {
+        let context = MotionContext { node_count: 1, part_count: 1, ..MotionContext::default() };
+        let frame = MotionFrame {
+            translation_mode: TranslationMode::SpatioTemporal,
+            translation: vec![[0; 3]],
+            rotation: vec![[0; 3]],
+            ..MotionFrame::default()
+        };
+        let error =
+            read(&written(&frame, &context), &context).expect_err("nothing to predict from");
+        assert_eq!(error.rule(), Some(rule::MOTION_TRANSLATION_FIRST));
     }
 
     #[test]

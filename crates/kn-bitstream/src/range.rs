@@ -16,24 +16,26 @@ pub const RAW_LIMIT: u32 = 16;
 /// Least probability, in 1/65536, that a decision is coded with.
 const FLOOR: u32 = 160;
 /// Number of decisions over which a model averages before it forgets exponentially.
-const WARM_UP: usize = 1 << SLOW_SHIFT;
+const WARM_UP: u8 = 1 << SLOW_SHIFT;
 
-/// `RATE[n]` = ⌊65536 / (n + 1.5)⌋, but at least the limit: the step, in 1/65536, that moves an
-/// estimate after `n` decisions. The 1.5 makes a first decision worth two thirds, not all.
-const fn rates(limit_shift: usize) -> [u16; WARM_UP + 1] {
-    let mut rates = [0; WARM_UP + 1];
+/// Steps, in 1/32768, that move the fast and the slow estimate after n decisions:
+/// ⌊65536 / (n + 1.5)⌋ / 2, but at least the limit. The 1.5 makes a first decision worth two
+/// thirds, not all. (As long as a byte reaches: an index needs no check.)
+const RATES: [(u16, u16); 256] = {
+    let mut rates = [(0, 0); 256];
     let mut n = 0;
-    while n <= WARM_UP {
-        let mean = 131_072 / (2 * n as u32 + 3);
-        let limit = 65_536 >> limit_shift;
-        rates[n] = if mean > limit { mean as u16 } else { limit as u16 };
+    while n < 256 {
+        rates[n] = (rate(n, FAST_SHIFT), rate(n, SLOW_SHIFT));
         n += 1;
     }
     rates
-}
+};
 
-const FAST_RATES: [u16; WARM_UP + 1] = rates(FAST_SHIFT);
-const SLOW_RATES: [u16; WARM_UP + 1] = rates(SLOW_SHIFT);
+const fn rate(seen: usize, limit_shift: usize) -> u16 {
+    let mean = 131_072 / (2 * seen as u32 + 3);
+    let limit = 65_536 >> limit_shift;
+    (if mean > limit { mean as u16 } else { limit as u16 }) >> 1
+}
 
 /// The adaptive probability of one binary decision: the mean of a fast and a slow estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +44,7 @@ pub struct BitModel {
     fast: u16,
     slow: u16,
     /// Decisions seen, up to [`WARM_UP`].
-    seen: u16,
+    seen: u8,
 }
 
 impl Default for BitModel {
@@ -62,19 +64,19 @@ impl BitModel {
 
     #[inline]
     fn adapt(&mut self, bit: bool) {
-        let seen = usize::from(self.seen).min(WARM_UP);
-        self.fast = moved(self.fast, FAST_RATES[seen], bit);
-        self.slow = moved(self.slow, SLOW_RATES[seen], bit);
-        self.seen = (seen + 1).min(WARM_UP) as u16;
+        let (fast, slow) = RATES[usize::from(self.seen)];
+        let target = if bit { 65_535 } else { 0 };
+        self.fast = moved(self.fast, fast, target);
+        self.slow = moved(self.slow, slow, target);
+        self.seen += u8::from(self.seen < WARM_UP);
     }
 }
 
-/// `estimate` moved towards 0 or 65535 by `rate` / 65536 of the way.
+/// `estimate` moved towards `target`, 0 or 65535, by `rate` / 32768 of the way.
 #[inline]
-fn moved(estimate: u16, rate: u16, bit: bool) -> u16 {
-    let target = if bit { 65_535 } else { 0 };
+fn moved(estimate: u16, rate: u16, target: i32) -> u16 {
     let way = target - i32::from(estimate);
-    (i32::from(estimate) + ((way * (i32::from(rate) >> 1)) >> 15)) as u16
+    (i32::from(estimate) + ((way * i32::from(rate)) >> 15)) as u16
 }
 
 /// One decision after another, written or read: code that is generic over it is encoder and decoder
@@ -255,12 +257,9 @@ impl BinaryCoder for RangeDecoder<'_> {
     fn bit(&mut self, model: &mut BitModel, _bit: bool) -> bool {
         let bound = (self.range >> 16) * model.probability();
         let bit = self.offset < bound;
-        if bit {
-            self.range = bound;
-        } else {
-            self.offset -= bound;
-            self.range -= bound;
-        }
+        // Selections, not branches: what is hard to predict is not guessed twice.
+        self.offset -= if bit { 0 } else { bound };
+        self.range = if bit { bound } else { self.range - bound };
         model.adapt(bit);
         self.renormalise();
         bit

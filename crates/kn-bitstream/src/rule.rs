@@ -50,6 +50,7 @@ rules! {
     INTRA_SIZE_LEVEL = "intra.size.level", "an I-frame has no more vertices and faces than the level allows";
     FRAME_RESERVED_ZERO = "frame.reserved.zero", "reserved bits of a frame header are zero";
     FRAME_DIGEST_POSITIONS = "frame.digest.positions", "positions_digest is that of the decoded positions";
+    INTRA_SMOOTHING_RANGE = "intra.smoothing.range", "smoothing_strength is 0 to 5";
     INTRA_DIGEST_FACES = "intra.digest.faces", "faces_digest is that of the decoded faces";
 
     NODES_COUNT_RANGE = "nodes.count.range", "node_count is from 1 to the level's limit";
@@ -60,7 +61,8 @@ rules! {
     MOTION_REFERENCE_KNOWN = "motion.reference.known", "reference_mode is 0";
     MOTION_ENTROPY_KNOWN = "motion.entropy.known", "entropy_mode is 0";
     MOTION_RESIDUAL_KNOWN = "motion.residual.known", "residual_present is 0";
-    MOTION_TRANSLATION_KNOWN = "motion.translation.known", "translation_mode is 0";
+    MOTION_TRANSLATION_KNOWN = "motion.translation.known", "translation_mode is 0, 1 or 2";
+    MOTION_TRANSLATION_FIRST = "motion.translation.first", "the first P-frame of a group is not predicted from the frame before";
     MOTION_ENABLED_AFFINE = "motion.enabled.affine", "no component is enabled where no node is affine";
     MOTION_TABLE_RANGE = "motion.table.range", "a Huffman table index is 0 to 47";
     MOTION_TRANSLATION_RANGE = "motion.translation.range", "a translation is below 2^28 in magnitude";

@@ -1,4 +1,4 @@
-//! How far two meshes are apart, as `kn compare` and `kn demo` report it.
+//! How far two meshes are apart, as `kn compare`, `kn rd` and `kn demo` report it.
 
 use anyhow::{Context, Result};
 use kn_mesh::{BoundingBox, Mesh};
@@ -6,7 +6,8 @@ use kn_metrics::{
     Closest, DEFAULT_LEVELS, Distances, Grid, Interpolation, Msdm2Surface, P2s, PointCloud,
     TriangleTree, distances_to_surface, msdm2, p2s, point_distortion, sample_surface,
 };
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 
 /// Area-uniform samples on each surface for point-to-surface distances.
 const SAMPLES: usize = 100_000;
@@ -107,6 +108,14 @@ impl Distortion {
     }
 }
 
+impl<'de> Deserialize<'de> for Distortion {
+    /// What has no value, or is infinite and so null, is left out.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
+        Ok(Self(Metric::ALL.map(|metric| values.get(metric.name())?.as_f64())))
+    }
+}
+
 impl Serialize for Distortion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let measured = Metric::ALL.into_iter().filter_map(|m| Some((m.name(), self.get(m)?)));
@@ -138,15 +147,21 @@ impl Scale {
     }
 }
 
-/// How much to measure; each includes those before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Depth {
-    /// Point to surface.
-    Distance,
-    /// MSDM2.
-    Perceptual,
-    /// MSDM2 at the closest points, D1 and D2.
-    All,
+/// What to measure beside point-to-surface distances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Measures {
+    /// MSDM2 in both directions.
+    pub(crate) msdm2: bool,
+    /// MSDM2 with the curvature at the closest points, where MSDM2 is measured.
+    pub(crate) projected: bool,
+    /// D1 and D2.
+    pub(crate) points: bool,
+}
+
+impl Measures {
+    pub(crate) const DISTANCE: Self = Self { msdm2: false, projected: false, points: false };
+    pub(crate) const PERCEPTUAL: Self = Self { msdm2: true, ..Self::DISTANCE };
+    pub(crate) const ALL: Self = Self { msdm2: true, projected: true, points: true };
 }
 
 /// A mesh prepared for measuring: it costs a tree, and for MSDM2 the curvature.
@@ -159,16 +174,20 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// Prepares a mesh.
-    pub(crate) fn new(mesh: &Mesh, depth: Depth) -> Result<Self> {
+    pub(crate) fn new(mesh: &Mesh, measures: Measures) -> Result<Self> {
         let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
         let tree = TriangleTree::new(&positions, &faces)?;
-        let perceptual = match depth {
-            Depth::Distance => None,
-            Depth::Perceptual | Depth::All => {
-                Some(Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?)
-            }
-        };
+        let prepare = || Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS);
+        let perceptual = measures.msdm2.then(prepare).transpose()?;
         Ok(Self { positions, faces, tree, perceptual })
+    }
+
+    /// Values of MSDM2 on the vertices of both, `other` against this one: `#V` of this one, `#V` of
+    /// `other`. `None` where either is not prepared for MSDM2.
+    pub(crate) fn local_msdm2(&self, other: &Self) -> Option<[Vec<f64>; 2]> {
+        let (reference, other) = (self.perceptual.as_ref()?, other.perceptual.as_ref()?);
+        let found = msdm2(reference, other, Interpolation::AtVertex);
+        Some([found.backward.local, found.forward.local])
     }
 
     /// `#V of other` distances from the vertices of `other` to this surface, world units.
@@ -178,19 +197,19 @@ impl Surface {
     }
 }
 
-/// Measures `other` against `reference`; both are prepared for that depth.
+/// Measures `other` against `reference`; both are prepared for these measures.
 pub(crate) fn measure(
     reference: &Surface,
     other: &Surface,
     scale: &Scale,
-    depth: Depth,
+    measures: Measures,
 ) -> Result<Distortion> {
     let mut distortion = Distortion::default();
     measure_distance(reference, other, scale, &mut distortion)?;
-    if depth >= Depth::Perceptual {
-        measure_msdm2(reference, other, depth, &mut distortion);
+    if measures.msdm2 {
+        measure_msdm2(reference, other, measures, &mut distortion);
     }
-    if depth >= Depth::All {
+    if measures.points {
         measure_points(reference, other, scale, &mut distortion)?;
     }
     Ok(distortion)
@@ -232,13 +251,18 @@ fn measure_distance(
     Ok(())
 }
 
-fn measure_msdm2(reference: &Surface, other: &Surface, depth: Depth, distortion: &mut Distortion) {
+fn measure_msdm2(
+    reference: &Surface,
+    other: &Surface,
+    measures: Measures,
+    distortion: &mut Distortion,
+) {
     let (Some(reference), Some(other)) = (&reference.perceptual, &other.perceptual) else { return };
     let plain = msdm2(reference, other, Interpolation::AtVertex);
     distortion.set(Metric::Msdm2, plain.symmetric);
     distortion.set(Metric::Msdm2Ab, plain.forward.score);
     distortion.set(Metric::Msdm2Ba, plain.backward.score);
-    if depth >= Depth::All {
+    if measures.projected {
         let projected = msdm2(reference, other, Interpolation::Projected);
         distortion.set(Metric::Msdm2Projected, projected.symmetric);
     }
@@ -284,9 +308,9 @@ mod tests {
 
     fn distortion(a: &Mesh, b: &Mesh) -> Distortion {
         let scale = Scale::from(a.bounding_box().expect("a box"));
-        let depth = Depth::Perceptual;
-        let surfaces = [a, b].map(|mesh| Surface::new(mesh, depth).expect("a surface"));
-        measure(&surfaces[0], &surfaces[1], &scale, depth).expect("measured")
+        let measures = Measures::PERCEPTUAL;
+        let surfaces = [a, b].map(|mesh| Surface::new(mesh, measures).expect("a surface"));
+        measure(&surfaces[0], &surfaces[1], &scale, measures).expect("measured")
     }
 
     #[test]
@@ -321,5 +345,7 @@ mod tests {
         assert_eq!((mean.get(Metric::P2sRms), mean.get(Metric::Msdm2)), (Some(2.0), None));
         assert_eq!(Distortion::mean([]), None);
         assert_eq!(serde_json::to_string(&mean).expect("JSON"), r#"{"p2s_rms":2.0}"#);
+        let read = serde_json::from_str::<Distortion>(r#"{"p2s_rms":2.0,"msdm2":null,"x":"y"}"#);
+        assert_eq!(read.expect("a distortion"), mean);
     }
 }

@@ -1,12 +1,12 @@
 //! Meshes coloured by their local error.
 
 use crate::picture::{CLAY, Canvas, Paint, Sheet, View, colour_of, render};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use kn_mesh::{BoundingBox, Mesh};
 use std::io::Write;
 
-/// Width and height of one picture.
-const PICTURE: [usize; 2] = [170, 215];
+/// Width and height of one picture on a sheet.
+pub(crate) const PICTURE: [usize; 2] = [170, 215];
 
 /// A round number of world units that the largest of nearly all errors stays below: the end of
 /// the colour scale. A few outliers must not make the rest look perfect.
@@ -19,7 +19,7 @@ pub(crate) fn scale_end<'e>(errors: impl Iterator<Item = &'e [f64]>) -> f64 {
 }
 
 /// The next of 1, 2, 5, 10, ... times a power of ten.
-fn round_up(value: f64) -> f64 {
+pub(crate) fn round_up(value: f64) -> f64 {
     if value <= 0.0 || !value.is_finite() {
         return 1.0;
     }
@@ -29,14 +29,20 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// The mesh as it is.
-pub(crate) fn plain(mesh: &Mesh, view: &View) -> Canvas {
-    render(mesh, Paint::Plain(CLAY), view, PICTURE)
+pub(crate) fn plain(mesh: &Mesh, view: &View, size: [usize; 2]) -> Canvas {
+    render(mesh, Paint::Plain(CLAY), view, size)
 }
 
 /// The mesh coloured by `errors` (`#V`, world units) from 0 to `end`.
-pub(crate) fn coloured(mesh: &Mesh, errors: &[f64], end: f64, view: &View) -> Canvas {
+pub(crate) fn coloured(
+    mesh: &Mesh,
+    errors: &[f64],
+    end: f64,
+    view: &View,
+    size: [usize; 2],
+) -> Canvas {
     let colours: Vec<_> = errors.iter().map(|error| colour_of((error / end) as f32)).collect();
-    render(mesh, Paint::PerVertex(&colours), view, PICTURE)
+    render(mesh, Paint::PerVertex(&colours), view, size)
 }
 
 /// What is written at the scale.
@@ -45,25 +51,32 @@ pub(crate) fn scale_labels(end: f64, unit: &str) -> [String; 3] {
     [format!("0{unit}"), format!("{}{unit}", end / 2.0), format!("{end}{unit} and more")]
 }
 
-/// Two meshes, each coloured by its distance from the other, from four sides.
+/// Two meshes side by side, each coloured by its difference from the other, from four sides.
 pub(crate) fn turntable(
     out: &mut dyn Write,
     title: String,
     sides: [(&str, &Mesh, &[f64]); 2],
-    bounds: &BoundingBox,
 ) -> Result<()> {
-    const TURNS: [f32; 4] = [0.0, 90.0, 180.0, 270.0];
+    const TURNS: [[f32; 2]; 2] = [[0.0, 90.0], [180.0, 270.0]];
+    const HEIGHT: usize = 320;
     const UP_AXIS: u8 = 1;
+    let boxes = sides.iter().filter_map(|side| side.1.bounding_box());
+    let bounds = boxes.reduce(BoundingBox::union).context("there is nothing to draw")?;
     let end = scale_end(sides.iter().map(|side| side.2));
-    let views = TURNS.map(|degrees| View::new(bounds, UP_AXIS, degrees));
-    let row = |(name, mesh, errors): (&str, &Mesh, &[f64])| {
-        let pictures = views.iter().map(|view| coloured(mesh, errors, end, view)).collect();
-        (name.to_owned(), pictures)
+    let views = TURNS.map(|row| row.map(|degrees| View::new(&bounds, UP_AXIS, degrees)));
+    let width = |view: &View| view.size_of_height(HEIGHT)[0];
+    let size = [views.as_flattened().iter().map(width).max().unwrap_or(HEIGHT), HEIGHT];
+    let row = |(degrees, views): ([f32; 2], &[View; 2])| {
+        let pictures = views.iter().flat_map(|view| {
+            sides.map(|(_, mesh, errors)| coloured(mesh, errors, end, view, size))
+        });
+        (format!("turned by {} and by {} degrees", degrees[0], degrees[1]), pictures.collect())
     };
+    let names = sides.map(|side| side.0.to_owned());
     let sheet = Sheet {
         title,
-        columns: TURNS.iter().map(|degrees| format!("{degrees} degrees")).collect(),
-        rows: sides.into_iter().map(row).collect(),
+        columns: [names.clone(), names].concat(),
+        rows: TURNS.into_iter().zip(&views).map(row).collect(),
         scale: Some(scale_labels(end, "")),
     };
     Ok(sheet.draw().write_png(out)?)

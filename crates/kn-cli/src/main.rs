@@ -1,14 +1,17 @@
 //! The `kn` command: encode, decode, inspect, measure and check scanned human dynamic meshes.
 
 mod arguments;
+mod choices;
 mod commands;
 mod distortion;
 mod heatmap;
 mod interrupt;
+mod nearest;
 mod output;
 mod picture;
 mod progress;
 mod sequence;
+mod settings;
 mod stream;
 mod table;
 

@@ -3,18 +3,28 @@
 use crate::arguments::Global;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar over `total` steps; without a known total it counts. It disappears when dropped.
+/// A bar over `total` frames; without a known total it counts. It disappears when dropped.
 pub(crate) fn bar(global: &Global, task: &'static str, total: Option<u64>) -> Bar {
+    bar_over("frames", global, task, total)
+}
+
+/// A bar over things of another name.
+pub(crate) fn bar_over(
+    things: &str,
+    global: &Global,
+    task: &'static str,
+    total: Option<u64>,
+) -> Bar {
     // indicatif itself draws nothing where stderr is no terminal.
     let target =
         if global.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(total, target).with_message(task);
     let template = match total {
-        Some(_) => "{msg:>10} {wide_bar} {pos}/{len} frames, {eta} left",
-        None => "{msg:>10} {spinner} {pos} frames, {elapsed}",
+        Some(_) => format!("{{msg:>10}} {{wide_bar}} {{pos}}/{{len}} {things}, {{eta}} left"),
+        None => format!("{{msg:>10}} {{spinner}} {{pos}} {things}, {{elapsed}}"),
     };
-    // The templates are constants; a mistake in one only costs the bar its look.
-    if let Ok(style) = ProgressStyle::with_template(template) {
+    // Only a mistake here can make the template wrong, and it only costs the bar its look.
+    if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }
     Bar(bar)
@@ -24,7 +34,7 @@ pub(crate) fn bar(global: &Global, task: &'static str, total: Option<u64>) -> Ba
 pub(crate) struct Bar(ProgressBar);
 
 impl Bar {
-    /// One frame more is done.
+    /// One more is done.
     pub(crate) fn step(&self) {
         self.0.inc(1);
     }

@@ -69,6 +69,16 @@ fn a_stream_is_measured_against_its_scans() {
 }
 
 #[test]
+fn sequences_of_different_length_are_compared_where_both_have_frames() {
+    let scans = Scans::new();
+    let [all, some] = [scans.text("scan/*.obj"), scans.text("scan/f_0*.obj")];
+    let message = fails(["compare", &all, &some, "--fast", "--json"]);
+    assert!(message.contains("scan/f_0*.obj: frame 2: there is no such frame, but "), "{message}");
+    let found = json(&["compare", &all, &some, "--fast", "--json", "--frames", "..1"]);
+    assert_eq!(found["frames"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
 fn tables_csv_and_pictures() {
     let scans = Scans::new();
     let stream = scans.encoded().to_string_lossy().into_owned();
@@ -97,6 +107,18 @@ fn tables_csv_and_pictures() {
     assert!(fs::read(picture).expect("written").starts_with(b"\x89PNG\r\n\x1a\n"));
     let ply = fs::read(values).expect("written");
     assert!(String::from_utf8_lossy(&ply[..400]).contains("property float error"));
+}
+
+#[test]
+fn the_picture_may_show_msdm2() {
+    let scans = Scans::new();
+    let files = [0, 1].map(|index| scans.file(index).to_string_lossy().into_owned());
+    let values = scans.text("error.ply");
+    let arguments = ["compare", &files[0], &files[1], "--values", &values, "--local", "msdm2"];
+    succeeds(arguments);
+    assert!(fs::metadata(&values).is_ok_and(|file| file.len() > 1_000));
+    let message = fails(arguments.into_iter().chain(["--fast"]));
+    assert!(message.contains("--local msdm2 needs MSDM2"), "{message}");
 }
 
 #[test]

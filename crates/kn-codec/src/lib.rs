@@ -18,11 +18,11 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, Encoder, EncoderConfig, Finished, FrameReport, GridChoice, NamePattern,
-    NodePlacement, Summary,
+    AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
+    NamePattern, NodePlacement, Preset, SmoothingChoice, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
-pub use kn_bitstream::UnitOfLength;
+pub use kn_bitstream::{TranslationMode, UnitOfLength};

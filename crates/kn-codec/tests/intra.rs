@@ -2,7 +2,8 @@
 
 use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraError, IntraLimits};
 use kn_codec::intra::{decode_intra, encode_intra};
-use kn_mesh::GridMesh;
+use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_mesh::{Grid, GridMesh};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -274,19 +275,61 @@ fn scans_come_back() {
     }
 }
 
+fn label_bits(mesh: &GridMesh) -> f64 {
+    8.0 * round_trip(mesh).1.label_bytes as f64 / mesh.positions.len() as f64
+}
+
 #[test]
 fn clean_labels_cost_next_to_nothing() {
+    let config = PerformerConfig { vertices: 20_000, ..PerformerConfig::default() };
+    let performer = Performer::new(config).expect("sound settings");
+    for frame in [0, 20] {
+        let mesh = performer.frame(frame);
+        let bounds = mesh.bounding_box().expect("a box");
+        let grid = Grid { origin: bounds.min, step: bounds.longest_side() / 2047.0 };
+        let positions = grid.quantise(&mesh.positions).expect("inside");
+        let bits = label_bits(&GridMesh { positions, faces: mesh.faces, labels: mesh.labels });
+        assert!(bits < 0.05, "frame {frame}: {bits}");
+    }
+}
+
+#[test]
+fn ragged_labels_cost_little() {
     for file in shared("tshirt_turn").unwrap_or_default().iter().step_by(8) {
         let mut mesh = read_grid_mesh(file);
-        let bits = |mesh: &GridMesh| {
-            8.0 * round_trip(mesh).1.label_bytes as f64 / mesh.positions.len() as f64
-        };
         // The true labels' borders are ragged: one vertex in eight along them disagrees with most
         // of its neighbours.
-        assert!(bits(&mesh) < 0.12, "{}: {}", file.display(), bits(&mesh));
-        for _ in 0..4 {
-            smooth_labels(&mut mesh);
+        let bits = label_bits(&mesh);
+        assert!(bits < 0.10, "{}: {bits}", file.display());
+        (0..4).for_each(|_| smooth_labels(&mut mesh));
+        let bits = label_bits(&mesh);
+        assert!(bits < 0.08, "{}: {bits}", file.display());
+    }
+}
+
+/// What the header announces is checked before anything is allocated for it; the rest grows with
+/// decisions that were read.
+#[test]
+fn announced_counts_are_bounded_by_the_bytes_that_are_there() {
+    let announcing = |vertices: u32, faces: u32, payload: usize| {
+        let mut bytes = vec![0, 0];
+        for mut count in [vertices, vertices, faces, faces, 0, 0, 0, 0, 0] {
+            while count >= 0x80 {
+                bytes.push(count as u8 | 0x80);
+                count >>= 7;
+            }
+            bytes.push(count as u8);
         }
-        assert!(bits(&mesh) < 0.09, "{}: {}", file.display(), bits(&mesh));
+        bytes.resize(payload, 0);
+        decode(&bytes)
+    };
+    let density =
+        |error| matches!(error, IntraError::Malformed { rule: "intra.counts.density", .. });
+    for payload in [40, 100, 400] {
+        let most = 2048 * payload as u32;
+        assert!(density(announcing(most + 1, 0, payload).expect_err("too many vertices")));
+        assert!(density(announcing(0, most + 1, payload).expect_err("too many faces")));
+        assert!(density(announcing(most / 2, most / 2 + 1, payload).expect_err("too many")));
+        assert!(!density(announcing(most / 2, most / 2, payload).expect_err("not their data")));
     }
 }

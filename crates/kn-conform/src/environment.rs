@@ -1,12 +1,14 @@
 //! Values that the tables refer to: elements as they were read last, and derived values (chapter 6).
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Names and numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Environment {
     values: HashMap<String, i128>,
-    /// Sum of the `affine_node` flags of the last key nodes.
+    /// The `affine_label` flags of the last key nodes.
+    affine_labels: Vec<i128>,
+    /// Sum of their `affine_node` flags.
     affine_flags: i128,
 }
 
@@ -19,8 +21,9 @@ impl Environment {
         self.values.insert(name.to_owned(), value);
     }
 
-    /// Takes note of an element and derives what follows from it.
-    pub(crate) fn read(&mut self, name: &str, value: i128, count_affine: &dyn Fn() -> Option<u32>) {
+    /// Takes note of an element and derives what follows from it; `labels` gives those of the key
+    /// nodes.
+    pub(crate) fn read(&mut self, name: &str, value: i128, labels: &dyn Fn() -> Option<Vec<u8>>) {
         self.set(name, value);
         match name {
             "label_set" if value == 0 => self.set("LabelCount", 1),
@@ -28,21 +31,42 @@ impl Environment {
             "label_count" => self.set("LabelCount", value),
             "node_count" => {
                 self.set("NodeCount", value);
-                self.values.remove("AffineCount");
+                for of_group in ["AffineCount", "PartCount", "translation_table"] {
+                    self.values.remove(of_group);
+                }
+                // A text may say spatio-temporal where nothing goes before: a decoder refuses it.
+                self.set("PreviousTable", 0);
             }
-            "affine_mode" => self.affine_flags = 0,
+            "affine_mode" => {
+                self.affine_flags = 0;
+                self.affine_labels.clear();
+            }
+            "affine_label" => self.affine_labels.push(value),
             "affine_node" => self.affine_flags += value,
-            "shear_enabled" => self.derive_counts(count_affine),
+            "translation_mode" => self.derive_parts(value == 2, labels),
+            "shear_enabled" => self.derive_counts(labels),
             _ => {}
         }
     }
 
-    fn derive_counts(&mut self, count_affine: &dyn Fn() -> Option<u32>) {
+    /// What a change of a part depends on: 6.6.
+    fn derive_parts(&mut self, needed: bool, labels: &dyn Fn() -> Option<Vec<u8>>) {
+        if let Some(table) = self.get("translation_table") {
+            self.set("PreviousTable", table);
+        }
+        if needed && self.get("PartCount").is_none() {
+            let parts: BTreeSet<u8> = labels().unwrap_or_default().into_iter().collect();
+            self.set("PartCount", parts.len() as i128);
+        }
+    }
+
+    fn derive_counts(&mut self, labels: &dyn Fn() -> Option<Vec<u8>>) {
         let known = |name| self.get(name).unwrap_or(0);
         let nodes = known("NodeCount");
+        let marked = |label: &&u8| self.affine_labels.get(usize::from(**label)) == Some(&1);
         let affine = self.get("AffineCount").unwrap_or_else(|| match known("affine_mode") {
             0 => 0,
-            1 => count_affine().map_or(0, i128::from),
+            1 => labels().unwrap_or_default().iter().filter(marked).count() as i128,
             2 => nodes,
             _ => self.affine_flags,
         });

@@ -46,13 +46,13 @@ pub struct GroupPayloads {
     pub key_nodes: Vec<u8>,
 }
 
-/// Counts the affine nodes where they are given by labels: that takes a decoded I-frame.
-pub type CountAffine<'c> = dyn Fn(&GroupPayloads) -> Option<u32> + 'c;
+/// Finds the labels of the key nodes, where something depends on them: that takes a decoded I-frame.
+pub type NodeLabels<'l> = dyn Fn(&GroupPayloads) -> Option<Vec<u8>> + 'l;
 
 /// Walks tables and keeps the values that they refer to.
 pub(crate) struct Interpreter<'i, E> {
     syntax: &'i Syntax,
-    count_affine: &'i CountAffine<'i>,
+    labels: &'i NodeLabels<'i>,
     pub(crate) elements: E,
     pub(crate) environment: Environment,
     payloads: GroupPayloads,
@@ -63,10 +63,10 @@ pub(crate) struct Interpreter<'i, E> {
 const DEPTH_LIMIT: u32 = 8;
 
 impl<'i, E: Elements> Interpreter<'i, E> {
-    pub(crate) fn new(syntax: &'i Syntax, count_affine: &'i CountAffine<'i>, elements: E) -> Self {
+    pub(crate) fn new(syntax: &'i Syntax, labels: &'i NodeLabels<'i>, elements: E) -> Self {
         Self {
             syntax,
-            count_affine,
+            labels,
             elements,
             environment: Environment::default(),
             payloads: GroupPayloads::default(),
@@ -132,8 +132,8 @@ impl<'i, E: Elements> Interpreter<'i, E> {
         let bit = self.elements.position();
         let value = self.elements.element(place)?;
         let payloads = &self.payloads;
-        let count_affine = || (self.count_affine)(payloads);
-        self.environment.read(place.name, value.number(), &count_affine);
+        let labels = || (self.labels)(payloads);
+        self.environment.read(place.name, value.number(), &labels);
         let (name, indices) = (place.name.to_owned(), place.indices.to_vec());
         self.trace.push(TraceLine { bit, name, indices, value });
         Ok(())

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod affine;
 mod assemble;
 mod bits;
 mod corpus;
@@ -8,6 +7,7 @@ mod coverage;
 mod environment;
 mod huffman;
 mod interpret;
+mod labels;
 mod oracle;
 mod parse;
 mod product;
@@ -17,13 +17,13 @@ mod syntax;
 pub mod tables;
 mod value;
 
-pub use affine::count_affine_by_label;
 pub use corpus::{
     CorpusError, Description, FOLDERS, Outcome, Report, Stream, Verdict, judge, load_corpus,
     run_foreign, run_ours,
 };
 pub use coverage::{Covered, coverage, coverage_page};
-pub use interpret::{CountAffine, GroupPayloads};
+pub use interpret::{GroupPayloads, NodeLabels};
+pub use labels::node_labels;
 pub use product::{example_trace, example_written, stream_trace};
 pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};
 pub use syntax::{Syntax, SyntaxError};

@@ -43,7 +43,7 @@ pub fn example_written(example: &Example) -> Result<Vec<u8>, Error> {
         "motion_frame" => {
             let mut frame = MotionFrame::default();
             frame.read(&mut bits, &motion_context(example))?;
-            frame.write(&mut out);
+            frame.write(&mut out, &motion_context(example));
         }
         structure => match structure.strip_prefix("descriptor ") {
             Some(descriptor) => copy_descriptor(descriptor, &mut bits, &mut out)?,
@@ -114,6 +114,8 @@ fn motion_context(example: &Example) -> MotionContext {
     MotionContext {
         node_count: given(example, "NodeCount").unwrap_or(0),
         affine_count: given(example, "AffineCount").unwrap_or(0),
+        part_count: given(example, "PartCount").unwrap_or(1),
+        previous_table: given(example, "PreviousTable").map(|table| table as u8),
     }
 }
 

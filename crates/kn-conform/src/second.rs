@@ -1,7 +1,7 @@
 //! What the tables do: parse a stream, assemble one, read an example.
 
 use crate::assemble::{TextElements, text_of};
-use crate::interpret::{CountAffine, Interpreter};
+use crate::interpret::{Interpreter, NodeLabels};
 use crate::parse::StreamElements;
 use crate::spec::{Example, Spec};
 use crate::syntax::{Syntax, SyntaxError};
@@ -12,32 +12,24 @@ impl Spec {
     ///
     /// Safe on untrusted input; takes memory in proportion to the stream and time with no eye on
     /// speed.
-    pub fn parse(
-        &self,
-        stream: &[u8],
-        count_affine: &CountAffine<'_>,
-    ) -> Result<Vec<TraceLine>, Failure> {
+    pub fn parse(&self, stream: &[u8], labels: &NodeLabels<'_>) -> Result<Vec<TraceLine>, Failure> {
         let elements = StreamElements::new(stream, &self.codes);
-        let mut interpreter = Interpreter::new(&self.syntax, count_affine, elements);
+        let mut interpreter = Interpreter::new(&self.syntax, labels, elements);
         interpreter.run("file")?;
         Ok(interpreter.trace)
     }
 
     /// The stream that a text describes: the tables run backwards.
-    pub fn assemble(&self, text: &str, count_affine: &CountAffine<'_>) -> Result<Vec<u8>, Failure> {
+    pub fn assemble(&self, text: &str, labels: &NodeLabels<'_>) -> Result<Vec<u8>, Failure> {
         let elements = TextElements::new(text, &self.codes)?;
-        let mut interpreter = Interpreter::new(&self.syntax, count_affine, elements);
+        let mut interpreter = Interpreter::new(&self.syntax, labels, elements);
         interpreter.run("file")?;
         interpreter.elements.finish()
     }
 
     /// The text of a stream, from which [`Self::assemble`] makes the stream again.
-    pub fn disassemble(
-        &self,
-        stream: &[u8],
-        count_affine: &CountAffine<'_>,
-    ) -> Result<String, Failure> {
-        Ok(text_of(&self.parse(stream, count_affine)?))
+    pub fn disassemble(&self, stream: &[u8], labels: &NodeLabels<'_>) -> Result<String, Failure> {
+        Ok(text_of(&self.parse(stream, labels)?))
     }
 
     /// The trace of an example, by the tables.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::huffman::Codes;
-use crate::interpret::CountAffine;
+use crate::interpret::NodeLabels;
 use crate::syntax::{Syntax, SyntaxError};
 use crate::tables::{Table, TableError};
 
@@ -163,8 +163,8 @@ fn is_note(line: &str) -> bool {
     line.starts_with("*Note") || line.starts_with("> Note")
 }
 
-/// For streams whose affine nodes are not given by labels.
-pub fn no_labels() -> &'static CountAffine<'static> {
+/// For streams in which nothing depends on the labels of key nodes.
+pub fn no_labels() -> &'static NodeLabels<'static> {
     &|_| None
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
     AffineNodes, BitReader, BitWriter, Components, FrameHeader, KeyNodes, KeyNodesContext,
-    MotionContext, MotionFrame, NodeSites, WeightScheme,
+    MotionContext, MotionFrame, NodeSites, TranslationMode, WeightScheme,
 };
 use kn_conform::{GroupPayloads, Spec, TraceLine};
 use proptest::prelude::*;
@@ -67,31 +67,66 @@ fn key_nodes() -> impl Strategy<Value = KeyNodes> {
     )
 }
 
-/// Key nodes and a P-frame for them; where labels decide, every second node is affine.
-fn group() -> impl Strategy<Value = (KeyNodes, MotionContext, MotionFrame)> {
-    let enabled = any::<[bool; 3]>();
-    (key_nodes(), enabled, 0..48_u8, 0..48_u8, 0..12_u8).prop_flat_map(
-        |(nodes, [rotation, scale, shear], translation_table, parameter_table, step)| {
-            let affine_count = match &nodes.affine {
+/// Key nodes, the labels that the I-frame is said to give them, and two P-frames for them.
+#[derive(Clone, Debug)]
+struct Group {
+    nodes: KeyNodes,
+    labels: Vec<u8>,
+    motions: [(MotionContext, MotionFrame); 2],
+}
+
+fn group() -> impl Strategy<Value = Group> {
+    (key_nodes(), prop::collection::vec(0..15_u8, 20)).prop_flat_map(|(nodes, mut labels)| {
+        labels.truncate(nodes.count() as usize);
+        let marked =
+            |flags: &[bool]| labels.iter().filter(|&&label| flags[usize::from(label)]).count();
+        let context = MotionContext {
+            node_count: nodes.count(),
+            affine_count: match &nodes.affine {
                 AffineNodes::None => 0,
-                AffineNodes::Labels(_) => nodes.count() / 2,
+                AffineNodes::Labels(flags) => marked(flags) as u32,
                 AffineNodes::All => nodes.count(),
                 AffineNodes::Nodes(flags) => flags.iter().filter(|&&flag| flag).count() as u32,
-            };
-            let context = MotionContext { node_count: nodes.count(), affine_count };
+            },
+            part_count: labels.iter().collect::<std::collections::BTreeSet<_>>().len() as u32,
+            previous_table: None,
+        };
+        motion(context).prop_flat_map(move |first| {
+            let previous_table = Some(first.translation_table);
+            let next = MotionContext { previous_table, ..context };
+            let (nodes, labels) = (nodes.clone(), labels.clone());
+            motion(next).prop_map(move |second| Group {
+                nodes: nodes.clone(),
+                labels: labels.clone(),
+                motions: [(context, first.clone()), (next, second)],
+            })
+        })
+    })
+}
+
+fn motion(context: MotionContext) -> impl Strategy<Value = MotionFrame> {
+    let mut modes = vec![TranslationMode::Direct, TranslationMode::Spatial];
+    modes.extend(context.previous_table.map(|_| TranslationMode::SpatioTemporal));
+    let choices = (any::<[bool; 3]>(), prop::sample::select(modes));
+    (choices, 0..48_u8, 0..48_u8, 0..12_u8).prop_flat_map(
+        move |(([rotation, scale, shear], mode), translation_table, parameter_table, step)| {
+            let affine_count = context.affine_count;
             let enabled = Components { rotation, scale, shear };
             let enabled = if affine_count == 0 { Components::default() } else { enabled };
             let counts = enabled.counts(&context);
+            let temporal = mode == TranslationMode::SpatioTemporal;
             let lists = (
-                triples(200_000, nodes.count()),
+                triples(3000, if temporal { context.part_count } else { 0 }),
+                triples(200_000, context.node_count),
                 triples(4000, counts[0]),
                 triples(2000, counts[1]),
                 triples(4000, counts[2]),
             );
-            lists.prop_map(move |(translation, rotation, scale, shear)| {
+            lists.prop_map(move |(translation_change, translation, rotation, scale, shear)| {
                 let step_for = |count| if count > 0 { step } else { 0 };
-                let motion = MotionFrame {
+                MotionFrame {
                     header: FrameHeader { name: "né".into(), positions_digest: Some(3) },
+                    translation_mode: mode,
                     enabled,
                     translation_step: step,
                     translation_table,
@@ -99,12 +134,12 @@ fn group() -> impl Strategy<Value = (KeyNodes, MotionContext, MotionFrame)> {
                     scale_step: step_for(counts[1]),
                     shear_step: step_for(counts[2]),
                     parameter_table: if counts == [0; 3] { 0 } else { parameter_table },
+                    translation_change,
                     translation,
                     rotation,
                     scale,
                     shear,
-                };
-                (nodes.clone(), context, motion)
+                }
             })
         },
     )
@@ -112,9 +147,9 @@ fn group() -> impl Strategy<Value = (KeyNodes, MotionContext, MotionFrame)> {
 
 /// The elements that kn-bitstream reads from the structures, which start at these bits.
 fn product_trace(
-    payloads: &[Vec<u8>; 2],
-    starts: [u64; 2],
-    context: &MotionContext,
+    payloads: &[Vec<u8>; 3],
+    starts: &[u64],
+    contexts: [&MotionContext; 2],
 ) -> Result<Vec<TraceLine>, kn_bitstream::Error> {
     let mut lines: Vec<TraceLine> = Vec::new();
     let nodes_context = KeyNodesContext {
@@ -127,36 +162,44 @@ fn product_trace(
     let mut bits = BitReader::new(&payloads[0]).at(starts[0]).traced(&mut sink);
     KeyNodes::read(&mut bits, &nodes_context)?;
     bits.finish()?;
-    let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
-    let mut bits = BitReader::new(&payloads[1]).at(starts[1]).traced(&mut sink);
-    MotionFrame::default().read(&mut bits, context)?;
-    bits.finish()?;
+    for (place, context) in (1..).zip(contexts) {
+        let mut sink = |element: &kn_bitstream::Element<'_>| lines.push(element.into());
+        let mut bits = BitReader::new(&payloads[place]).at(starts[place]).traced(&mut sink);
+        MotionFrame::default().read(&mut bits, context)?;
+        bits.finish()?;
+    }
     Ok(lines)
 }
 
 proptest! {
     #[test]
-    fn random_groups_read_alike((nodes, context, motion) in group()) {
+    fn random_groups_read_alike(group in group()) {
         let mut out = BitWriter::new();
-        nodes.write(&mut out);
+        group.nodes.write(&mut out);
         let nodes_payload = out.into_bytes();
-        let mut out = BitWriter::new();
-        motion.write(&mut out);
-        let payloads = [nodes_payload, out.into_bytes()];
+        let [first, second] = group.motions.each_ref().map(|(context, motion)| {
+            let mut out = BitWriter::new();
+            motion.write(&mut out, context);
+            out.into_bytes()
+        });
+        let payloads = [nodes_payload, first, second];
 
         let mut stream = FILE_SIGNATURE.to_vec();
         write_unit(&mut stream, unit::SEQUENCE_HEADER, &header().into_bytes());
         write_unit(&mut stream, unit::KEY_NODES, &payloads[0]);
         write_unit(&mut stream, unit::MOTION_FRAME, &payloads[1]);
+        write_unit(&mut stream, unit::MOTION_FRAME, &payloads[2]);
 
-        let by_labels = |_: &GroupPayloads| Some(context.affine_count);
+        let by_labels = |_: &GroupPayloads| Some(group.labels.clone());
         let by_tables = spec().parse(&stream, &by_labels).expect("a stream");
-        let first = |name| by_tables.iter().position(|line| line.name == name).expect("it is there");
-        let starts = ["node_count", "digest_present"].map(|name| by_tables[first(name)].bit);
+        let begins = |line: &&TraceLine| ["node_count", "digest_present"].contains(&line.name.as_str());
+        let starts: Vec<u64> = by_tables.iter().filter(begins).map(|line| line.bit).collect();
+        let nodes_at = by_tables.iter().position(|line| line.name == "node_count");
         let framing = ["unit_type", "unit_size", "unit_crc"];
-        let by_tables = by_tables[first("node_count")..].iter();
+        let by_tables = by_tables[nodes_at.expect("it is there")..].iter();
         let by_tables = by_tables.filter(|line| !framing.contains(&line.name.as_str()));
-        let by_product = product_trace(&payloads, starts, &context).expect("sound structures");
+        let contexts = group.motions.each_ref().map(|(context, _)| context);
+        let by_product = product_trace(&payloads, &starts, contexts).expect("sound structures");
         prop_assert!(by_tables.eq(&by_product));
 
         let text = spec().disassemble(&stream, &by_labels).expect("a stream");

@@ -1,4 +1,5 @@
-//! Normative deformation: from node transforms and influence to vertex positions, bit-exact.
+//! Normative deformation: from node transforms and influence to vertex positions, bit-exact; and the
+//! smoothing of I-frames.
 //!
 //! Everything here follows `spec/08-deformation.md` operation by operation: IEEE 754 binary64, no
 //! fused multiply-add, sums in the written order. Two decoders that follow it agree in every bit,
@@ -7,11 +8,13 @@
 mod deform;
 mod elementary;
 mod influence;
+mod smoothing;
 mod transform;
 mod weights;
 
 pub use deform::{DeformError, Deformer};
 pub use elementary::{exp_neg, sin_cos};
 pub use influence::{BindError, BindOptions, Influence, InfluenceMode, bind};
+pub use smoothing::Smoother;
 pub use transform::{Combination, NodeTransform};
 pub use weights::WeightScheme;

@@ -5,7 +5,7 @@ use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
 use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
 use crate::vec3::{Vec3, add, scale, unit};
-use kn_metrics::TriangleTree;
+use kn_metrics::{Closest, TriangleTree};
 
 /// Points sampled on either mesh for all passes but the last.
 pub(crate) const SAMPLES: usize = 3000;
@@ -48,6 +48,13 @@ impl FitTarget {
             faces: faces.to_vec(),
             labels: None,
         })
+    }
+
+    /// Root mean square distance from `points` (`#P × 3`) to the target's surface; 0 without points.
+    pub fn rms_distance(&self, points: &[[f64; 3]]) -> f64 {
+        let squared = |closest: &Closest| closest.distance_squared;
+        let sum: f64 = self.tree.closest_all(points).iter().map(squared).sum();
+        (sum / points.len().max(1) as f64).sqrt()
     }
 
     /// Adds body-part labels (`#V`) for part-wise starts.

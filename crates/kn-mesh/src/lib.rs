@@ -6,6 +6,7 @@
 
 pub mod adjacency;
 mod clean;
+mod exact;
 mod grid;
 #[cfg(feature = "io")]
 pub mod io;
@@ -15,5 +16,6 @@ pub mod parts;
 pub mod performer;
 
 pub use clean::{CleanReport, Cleaned, clean};
+pub use exact::{ExactGrid, ExactGridError};
 pub use grid::{Grid, GridError};
 pub use mesh::{BoundingBox, GridMesh, Mesh, MeshFault};

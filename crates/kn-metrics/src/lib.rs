@@ -16,6 +16,7 @@
 
 mod bjontegaard;
 mod d1d2;
+mod lanes;
 mod msdm2;
 mod p2s;
 mod tree;

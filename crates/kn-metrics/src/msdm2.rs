@@ -17,6 +17,7 @@ mod direction;
 mod eigenvalues;
 mod exp;
 mod flood;
+mod list;
 mod matching;
 mod statistics;
 mod topology;
@@ -128,8 +129,10 @@ impl Msdm2Surface {
         if side == 0.0 {
             return Err(Msdm2Error::NoExtent);
         }
-        let (topology, tree) =
-            rayon::join(|| Topology::new(positions, faces), || TriangleTree::new(positions, faces));
+        let (topology, tree) = rayon::join(
+            || Topology::new(positions, faces, side),
+            || TriangleTree::new(positions, faces),
+        );
         let rings = curvature::rings(&topology, positions);
         let radii = radii(side, levels);
         let curvature = curvature::curvature(&topology, &rings, positions, side, &radii);

@@ -4,7 +4,7 @@ use crate::Outcome;
 use crate::output::write_file;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result};
-use kn_conform::{Spec, count_affine_by_label};
+use kn_conform::{Spec, node_labels};
 use std::io::Read;
 use std::path::PathBuf;
 
@@ -40,10 +40,10 @@ pub(crate) fn run(arguments: &AssembleArguments) -> Result<Outcome> {
     let mut source = Source::open(&arguments.input)?;
     source.read_to_end(&mut input).with_context(|| name.clone())?;
     let output = if arguments.reverse {
-        spec.disassemble(&input, &count_affine_by_label).with_context(|| name)?.into_bytes()
+        spec.disassemble(&input, &node_labels).with_context(|| name)?.into_bytes()
     } else {
         let text = String::from_utf8(input).with_context(|| name.clone())?;
-        spec.assemble(&text, &count_affine_by_label).with_context(|| name)?
+        spec.assemble(&text, &node_labels).with_context(|| name)?
     };
     write_file(&arguments.output, |out| Ok(out.write_all(&output)?))?;
     Ok(Outcome::Good)

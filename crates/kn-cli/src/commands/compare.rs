@@ -3,7 +3,7 @@
 mod output;
 
 use crate::arguments::{FrameRange, Global};
-use crate::distortion::{self, Depth, Scale, Surface};
+use crate::distortion::{self, Measures, Scale, Surface};
 use crate::output::write_file;
 use crate::sequence::{Frame, Reader, Sequence};
 use crate::{Outcome, heatmap, progress, stream};
@@ -21,7 +21,8 @@ use std::path::PathBuf;
 Each side is a mesh (OBJ, PLY, OFF, glTF), a folder, a pattern in quotes, or a .knm file. Relative
 distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
-encoding, they are welded too.
+encoding, they are welded too. Sequences of different length are an error, unless --frames names
+only frames that both have.
 
 Exit codes: 0 measured, 2 an error.
 
@@ -30,7 +31,7 @@ Examples:
   kn compare 'scan/*.obj' dance.knm
   kn compare 'scan/*.obj' dance.knm --json | jq .mean
   kn compare scan/ dance.knm --csv rows.csv --frames 0..7
-  kn compare a.ply b.ply --heatmap error.png
+  kn compare a.ply b.ply --heatmap error.png --values error.ply
   kn compare 'scan/*.obj' dance.knm --part torso --labels 'scan/*.labels'")]
 pub(crate) struct CompareArguments {
     /// The reference
@@ -61,12 +62,24 @@ pub(crate) struct CompareArguments {
     /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
     #[arg(long)]
     clean: bool,
-    /// Draw the first of the frames from four sides, coloured by its error
+    /// Draw both sides' first frame from four sides, coloured by the local difference
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
-    /// Write the other side's first frame with its error as the vertex property `error`
+    /// Write the other side's first frame with the local difference as the vertex property `error`
     #[arg(long, value_name = "FILE.ply")]
     values: Option<PathBuf>,
+    /// What --heatmap and --values show
+    #[arg(long, value_enum, default_value_t = LocalError::Distance)]
+    local: LocalError,
+}
+
+/// A difference that every vertex has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum LocalError {
+    /// The distance to the other surface, world units
+    Distance,
+    /// The vertex's MSDM2, 0 to 1
+    Msdm2,
 }
 
 /// A part by its number or by its name in any case.
@@ -116,35 +129,46 @@ impl CompareArguments {
     ) -> Result<Comparison> {
         let scale = Scale::from(*bounds);
         let fast = self.fast || self.part.is_some();
-        let depth = if fast { Depth::Distance } else { Depth::All };
+        let measures = if fast { Measures::DISTANCE } else { Measures::ALL };
         let bar = progress::bar(global, "measuring", None);
         let (mut left, mut right) = (reference.reader()?, other.reader()?);
         let mut frames = Vec::new();
         while let Some((a, b)) = self.next_pair(&mut left, &mut right)? {
-            if a.index > self.frames.last() {
+            let index = a.index;
+            if self.frames.contains(index) {
+                let is_first = frames.is_empty();
+                frames.push(self.measure_pair(&a, &b, is_first, measures, &scale)?);
+                bar.step();
+            }
+            if index >= self.frames.last() {
                 break;
             }
-            if !self.frames.contains(a.index) {
-                continue;
-            }
-            let surfaces = (surface(&a, depth)?, surface(&b, depth)?);
-            if frames.is_empty() {
-                self.draw((&a, &surfaces.0), (&b, &surfaces.1), bounds)?;
-            }
-            let distortion = match self.part {
-                None => distortion::measure(&surfaces.0, &surfaces.1, &scale, depth),
-                Some(part) => {
-                    let parts = [faces_of(&a, part)?, faces_of(&b, part)?];
-                    let parts = [&parts[0][..], &parts[1][..]];
-                    distortion::measure_part(&surfaces.0, &surfaces.1, parts, &scale)
-                }
-            };
-            let distortion =
-                distortion.with_context(|| format!("{}: frame {}", b.file, b.index))?;
-            frames.push(FrameRow::new(&b, distortion));
-            bar.step();
         }
         Comparison::new(frames, &scale).context("there is no frame to measure")
+    }
+
+    fn measure_pair(
+        &self,
+        a: &Frame,
+        b: &Frame,
+        is_first: bool,
+        measures: Measures,
+        scale: &Scale,
+    ) -> Result<FrameRow> {
+        let surfaces = (surface(a, measures)?, surface(b, measures)?);
+        if is_first {
+            self.draw((a, &surfaces.0), (b, &surfaces.1))?;
+        }
+        let distortion = match self.part {
+            None => distortion::measure(&surfaces.0, &surfaces.1, scale, measures),
+            Some(part) => {
+                let parts = [faces_of(a, part)?, faces_of(b, part)?];
+                let parts = [&parts[0][..], &parts[1][..]];
+                distortion::measure_part(&surfaces.0, &surfaces.1, parts, scale)
+            }
+        };
+        let distortion = distortion.with_context(|| format!("{}: frame {}", b.file, b.index))?;
+        Ok(FrameRow::new(b, distortion))
     }
 
     /// The next frame of both sides; sequences of different length are an error.
@@ -164,16 +188,26 @@ impl CompareArguments {
         &self,
         (a, surface_a): (&Frame, &Surface),
         (b, surface_b): (&Frame, &Surface),
-        bounds: &BoundingBox,
     ) -> Result<()> {
         if self.heatmap.is_none() && self.values.is_none() {
             return Ok(());
         }
-        let (on_a, on_b) = (surface_b.distances_of(surface_a), surface_a.distances_of(surface_b));
+        let [on_a, on_b] = match self.local {
+            LocalError::Distance => {
+                [surface_b.distances_of(surface_a), surface_a.distances_of(surface_b)]
+            }
+            LocalError::Msdm2 => {
+                surface_a.local_msdm2(surface_b).context("--local msdm2 needs MSDM2: no --fast")?
+            }
+        };
         if let Some(path) = &self.heatmap {
-            let title = format!("distance between the surfaces, frame {}", a.index);
+            let what = match self.local {
+                LocalError::Distance => "distance between the surfaces",
+                LocalError::Msdm2 => "MSDM2",
+            };
+            let title = format!("{what}, frame {}", a.index);
             let sides = [("reference", &a.mesh, &on_a[..]), ("other", &b.mesh, &on_b[..])];
-            write_file(path, |out| heatmap::turntable(out, title, sides, bounds))?;
+            write_file(path, |out| heatmap::turntable(out, title, sides))?;
         }
         if let Some(path) = &self.values {
             let values: Vec<f32> = on_b.iter().map(|&error| error as f32).collect();
@@ -202,7 +236,7 @@ impl CompareArguments {
     }
 }
 
-fn surface(frame: &Frame, depth: Depth) -> Result<Surface> {
-    Surface::new(&frame.mesh, depth)
+fn surface(frame: &Frame, measures: Measures) -> Result<Surface> {
+    Surface::new(&frame.mesh, measures)
         .with_context(|| format!("{}: frame {}", frame.file, frame.index))
 }

@@ -4,7 +4,7 @@ mod picture;
 mod result;
 
 use crate::arguments::Global;
-use crate::distortion::{self, Depth, Metric, Scale, Surface};
+use crate::distortion::{self, Measures, Metric, Scale, Surface};
 use crate::output::write_file;
 use crate::stream::kind_letter;
 use crate::{Outcome, progress};
@@ -148,12 +148,12 @@ fn measure(
     let mut rows = Vec::new();
     let mut still: Option<Surface> = None;
     for (scan, DecodedFrame { info, mesh }) in scans.iter().zip(decoded) {
-        let reference = Surface::new(scan, Depth::Perceptual)?;
-        let surface = Surface::new(mesh, Depth::Perceptual)?;
-        let distortion = distortion::measure(&reference, &surface, &scale, Depth::Perceptual)?;
+        let reference = Surface::new(scan, Measures::PERCEPTUAL)?;
+        let surface = Surface::new(mesh, Measures::PERCEPTUAL)?;
+        let distortion = distortion::measure(&reference, &surface, &scale, Measures::PERCEPTUAL)?;
         let held_still = match (info.kind, &still) {
             (FrameKind::Predicted, Some(still)) => {
-                distortion::measure(&reference, still, &scale, Depth::Distance)?
+                distortion::measure(&reference, still, &scale, Measures::DISTANCE)?
                     .get(Metric::P2sRmsWorld)
             }
             _ => None,

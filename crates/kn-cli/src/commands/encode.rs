@@ -1,19 +1,18 @@
 //! `kn encode`: scans in, a .knm file out.
 
-mod choices;
-mod names;
+pub(crate) mod names;
 mod report;
-mod survey;
+pub(crate) mod survey;
+mod vertex_maps;
 
 use crate::Outcome;
 use crate::arguments::Global;
+use crate::choices::{self, FrameRate, LabelArgument, UnitArgument, UpAxis};
 use crate::output::write_file;
 use crate::progress;
-use anyhow::{Result, anyhow};
-use choices::{AffineArgument, FrameRate, InfluenceArgument, LabelArgument, NodeArgument};
-use choices::{PlacementArgument, UnitArgument, UpAxis};
-use kn_codec::{Encoder, EncoderConfig, GridChoice, Summary};
-use kn_deform::Combination;
+use crate::settings::Settings;
+use anyhow::{Context, Result, anyhow};
+use kn_codec::{AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset, Summary};
 use kn_mesh::clean;
 use kn_mesh::io::{Inputs, ReadOptions};
 use names::name_pattern;
@@ -23,6 +22,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 use survey::Survey;
+use vertex_maps::VertexMaps;
 
 /// Encode scans, one mesh a frame, into a .knm file
 #[derive(Debug, clap::Args)]
@@ -34,8 +34,10 @@ group begins there, and the reason is printed.
 
 Examples:
   kn encode 'scan/*.obj' -o dance.knm
-  kn encode scan/ -o dance.knm --bits 12 --gof 16 --nodes auto
+  kn encode scan/ -o dance.knm --bits 12 --gof 16
+  kn encode scan/ -o small.knm --preset baseline --nodes 200
   kn encode scan/f_%04d.ply -o dance.knm --step 0.5 --unit mm --labels 'scan/*.labels'
+  kn encode scan/ -o thin.knm --iframe-faces 25%
   kn encode walk.glb -o walk.knm --fps 25
   kn encode scan/ -o - | kn info -")]
 pub(crate) struct EncodeArguments {
@@ -45,22 +47,11 @@ pub(crate) struct EncodeArguments {
     /// The file to write; - is standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Bits for the longest side of the sequence's box
-    #[arg(long, default_value_t = 11, value_parser = clap::value_parser!(u8).range(4..=20))]
-    bits: u8,
-    /// Step of the grid in world units, instead of --bits
-    #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
-    step: Option<f64>,
-    /// Frames in a group: an I-frame, then P-frames
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    #[arg(value_parser = clap::value_parser!(u8).range(1..))]
-    gof: u8,
-    /// Key nodes in a group, or `auto`: as many as pay for their bytes
-    #[arg(long, value_name = "N|auto", default_value = "150")]
-    nodes: NodeArgument,
-    /// Where key nodes are put
-    #[arg(long, value_enum, default_value_t = PlacementArgument::Generated)]
-    placement: PlacementArgument,
+    /// The settings to start from; the flags below change them
+    #[arg(long, value_name = "NAME", default_value = "bimodal", value_parser = choices::preset())]
+    preset: &'static Preset,
+    #[command(flatten)]
+    settings: Settings,
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
@@ -68,21 +59,19 @@ pub(crate) struct EncodeArguments {
     /// palette), or `none` [default: a PLY property `label` where there is one]
     #[arg(long, value_name = "GLOB|colours|none")]
     labels: Option<LabelArgument>,
-    /// What happens in a region without key nodes: an error, or the nearest nodes of any region
-    #[arg(long, value_enum, default_value_t = InfluenceArgument::Fallback)]
-    influence: InfluenceArgument,
-    /// Which key nodes are affine: none, those of the torso, or all
-    #[arg(long, value_enum, default_value_t = AffineArgument::Labels)]
-    affine: AffineArgument,
-    /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH
-    #[arg(long, default_value = "RTSH", value_parser = choices::combination)]
-    combination: Combination,
     /// Unit of the coordinates; carried, not interpreted
     #[arg(long, value_enum, default_value_t = UnitArgument::Unspecified)]
     unit: UnitArgument,
     /// The axis that points up
     #[arg(long, value_enum, default_value_t = UpAxis::Y)]
     up: UpAxis,
+    /// Give every coordinate back to the last bit: for integers, fixed fractions and decimals of at
+    /// most 20 bits; all frames are I-frames
+    #[arg(long, conflicts_with_all = ["bits", "step", "gof", "iframe_faces", "iframe_error"])]
+    lossless: bool,
+    /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line
+    #[arg(long, value_name = "FOLDER")]
+    vertex_maps: Option<PathBuf>,
     /// Write what happened to every frame to this file, as JSON
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -93,18 +82,21 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let start = Instant::now();
     let inputs = arguments.find_inputs()?;
     let survey = Survey::new(&inputs, global)?;
-    let config = arguments.config(&survey);
+    let config = arguments.config(&survey)?;
+    let settings = arguments.settings(&config);
+    let lost = !survey.labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
+    let mut maps = arguments.vertex_maps.as_deref().map(VertexMaps::new).transpose()?;
     let summary = write_file(&arguments.output, |writer| {
-        encode(&inputs, config, writer, &mut report, global)
+        encode(&inputs, config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(path) = &arguments.report {
-        let json = report.to_json(arguments.settings(), &summary, seconds);
+        let json = report.to_json(settings, &summary, seconds);
         write_file(path, |writer| Ok(serde_json::to_writer_pretty(writer, &json)?))?;
     }
-    if !survey.labelled && arguments.affine == AffineArgument::Labels {
+    if lost {
         global.note("no labels: every key node is rigid (see --labels and --affine)");
     }
     report.tell(&summary, seconds, &arguments.output.display().to_string(), global);
@@ -116,7 +108,7 @@ fn encode(
     inputs: &Inputs,
     config: EncoderConfig,
     writer: &mut dyn Write,
-    report: &mut Report,
+    (report, maps): (&mut Report, &mut Option<VertexMaps>),
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
@@ -126,13 +118,28 @@ fn encode(
         let cleaned = clean(&frame.mesh)
             .map_err(|fault| anyhow!("{}: frame {}: {fault}", frame.path.display(), frame.index))?;
         report.read(frame.path, &cleaned.report, frame.notes);
+        if let Some(maps) = maps {
+            maps.read(frame.name, cleaned.vertex_map);
+        }
         encoder.push(&cleaned.mesh)?;
-        encoder.drain_reports().for_each(|frame| report.coded(frame));
+        for frame in encoder.drain_reports() {
+            tell(frame, report, maps)?;
+        }
         bar.step();
     }
     let finished = encoder.finish()?;
-    finished.reports.into_iter().for_each(|frame| report.coded(frame));
+    for frame in finished.reports {
+        tell(frame, report, maps)?;
+    }
     Ok(finished.summary)
+}
+
+fn tell(frame: FrameReport, report: &mut Report, maps: &mut Option<VertexMaps>) -> Result<()> {
+    if let Some(maps) = maps {
+        maps.coded(frame.vertex_map.as_deref())?;
+    }
+    report.coded(frame);
+    Ok(())
 }
 
 impl EncodeArguments {
@@ -148,43 +155,56 @@ impl EncodeArguments {
         }
     }
 
-    fn config(&self, survey: &Survey) -> EncoderConfig {
-        let bounds = survey.bounds;
-        EncoderConfig {
-            grid: match self.step {
-                Some(step) => GridChoice::Step { step, bounds },
-                None => GridChoice::Bits { bits: self.bits, bounds },
-            },
-            group_length: self.gof,
-            nodes: self.nodes.most(),
-            nodes_by_cost: self.nodes == NodeArgument::Auto,
-            placement: self.placement.into(),
+    fn config(&self, survey: &Survey) -> Result<EncoderConfig> {
+        let mut config = EncoderConfig {
             frame_rate: (self.fps.numerator, self.fps.denominator),
             unit: self.unit.into(),
             up_axis: self.up as u8,
-            influence: self.influence.into(),
-            affine: self.affine.into(),
-            combination: self.combination,
             names: name_pattern(&survey.names),
-            ..EncoderConfig::default()
+            vertex_maps: self.vertex_maps.is_some(),
+            ..self.preset.config()
+        };
+        self.settings.apply(&mut config, survey.bounds);
+        if self.lossless {
+            config.grid = GridChoice::Lossless(survey.exact.grid().context("--lossless")?);
+            config.group_length = 1;
         }
+        Ok(config)
     }
 
     /// The settings for the report.
-    fn settings(&self) -> Value {
+    fn settings(&self, config: &EncoderConfig) -> Value {
+        let (bits, step) = match config.grid {
+            GridChoice::Bits { bits, .. } => (Some(bits), None),
+            GridChoice::Step { step, .. } => (None, Some(step)),
+            GridChoice::Lossless(grid) => (None, Some(grid.step)),
+        };
         json!({
             "input": self.inputs,
             "output": self.output,
-            "bits": self.step.is_none().then_some(self.bits),
-            "step": self.step,
-            "gof": self.gof,
-            "nodes": self.nodes.to_string(),
-            "placement": format!("{:?}", self.placement).to_lowercase(),
+            "preset": self.preset.name(),
+            "bits": bits,
+            "step": step,
+            "lossless": self.lossless,
+            "decimation": config.decimation.map(|decimation| format!("{decimation:?}")),
+            "gof": config.group_length,
+            "nodes": config.nodes,
+            "nodes_by_cost": config.nodes_by_cost,
+            "placement": format!("{:?}", config.placement).to_lowercase(),
             "fps": self.fps.per_second(),
-            "influence": format!("{:?}", self.influence).to_lowercase(),
-            "affine": format!("{:?}", self.affine).to_lowercase(),
-            "combination": self.combination.name(),
+            "influence": format!("{:?}", config.influence).to_lowercase(),
+            "affine": affine_name(&config.affine),
+            "combination": config.combination.name(),
+            "translation": format!("{:?}", config.translation).to_lowercase(),
             "version": env!("CARGO_PKG_VERSION"),
         })
+    }
+}
+
+fn affine_name(affine: &AffineChoice) -> &'static str {
+    match affine {
+        AffineChoice::None => "none",
+        AffineChoice::Labels(_) => "labels",
+        AffineChoice::All => "all",
     }
 }

@@ -29,6 +29,12 @@ impl View {
         Self { axes, centre: std::array::from_fn(middle), half: [shadow(axes[0]), shadow(axes[1])] }
     }
 
+    /// Width and height of a picture of that height which the box fills.
+    pub(crate) fn size_of_height(&self, height: usize) -> [usize; 2] {
+        let width = height as f32 * self.half[0] / self.half[1].max(1e-20);
+        [(width.round() as usize).clamp(height / 4, 3 * height), height]
+    }
+
     /// Pixels per world unit in a picture of this size.
     pub(super) fn scale(&self, width: usize, height: usize) -> f32 {
         let room = |pixels: usize, half: f32| pixels as f32 * (0.5 - MARGIN) / half.max(1e-20);

@@ -2,12 +2,17 @@
 
 mod files;
 mod key_nodes;
+mod node_graph;
+mod path;
 mod reconstruction;
 mod stream;
 mod transforms;
+mod translation;
 
 pub use files::Decoder;
 pub use stream::{FrameInfo, FrameKind, Progress, StreamDecoder};
 
 #[cfg(feature = "encode")]
 pub(crate) use reconstruction::Reconstruction;
+#[cfg(feature = "encode")]
+pub(crate) use translation::Translations;

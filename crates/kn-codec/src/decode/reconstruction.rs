@@ -2,19 +2,23 @@
 //! same type and calls the same methods for its reference: there is no second copy.
 
 use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
+use crate::decode::path::{Sites, trace_path};
 use crate::decode::transforms::decode_transforms;
+use crate::decode::translation::Translations;
 use kn_bitstream::{
-    InfluenceMode as CodedMode, KeyNodes, LabelSet, MotionFrame, SequenceHeader,
+    InfluenceMode as CodedMode, KeyNodes, LabelSet, MotionContext, MotionFrame, SequenceHeader,
     WeightScheme as CodedScheme, rule,
 };
 use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind,
+    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
+    WeightScheme, bind,
 };
 use kn_mesh::{Grid, GridMesh};
 
 /// Decodes the frames of a group, one after the other. Buffers are reused from group to group.
 #[derive(Debug, Default)]
 pub(crate) struct Reconstruction {
+    up_axis: usize,
     fraction_bits: u32,
     nodes_per_vertex: usize,
     weight_scheme: CodedScheme,
@@ -29,7 +33,9 @@ pub(crate) struct Reconstruction {
     next: Vec<[i32; 3]>,
     nodes: NodeSet,
     influence: Influence,
+    translations: Translations,
     transforms: Vec<NodeTransform>,
+    smoother: Smoother,
     deformer: Deformer,
 }
 
@@ -37,6 +43,7 @@ impl Reconstruction {
     /// A reconstruction under the settings of a sequence.
     pub(crate) fn new(header: &SequenceHeader) -> Self {
         Self {
+            up_axis: usize::from(header.up_axis),
             fraction_bits: u32::from(header.fraction_bits),
             nodes_per_vertex: usize::from(header.nodes_per_vertex),
             weight_scheme: header.weight_scheme,
@@ -46,17 +53,26 @@ impl Reconstruction {
         }
     }
 
-    /// Begins a group: `decode` fills the I-frame.
+    /// Begins a group: `decode` fills the I-frame, which is then smoothed as [`Self::smooth`] says.
     pub(crate) fn begin<E>(
         &mut self,
+        smoothing: u8,
         decode: impl FnOnce(&mut GridMesh) -> Result<(), E>,
     ) -> Result<(), E> {
         decode(&mut self.intra)?;
+        self.smooth(smoothing);
+        self.nodes.clear();
+        Ok(())
+    }
+
+    /// The first reference of a group: the decoded I-frame in reference units, smoothed
+    /// (`smooth.strength`).
+    pub(crate) fn smooth(&mut self, strength: u8) {
         let fraction_bits = self.fraction_bits;
         self.reference.clear();
         self.reference.extend(self.intra.positions.iter().map(|p| p.map(|c| c << fraction_bits)));
-        self.nodes.clear();
-        Ok(())
+        let half_step = (1 << fraction_bits) >> 1;
+        self.smoother.smooth(&mut self.reference, &self.intra.faces, strength, half_step);
     }
 
     /// Whether every label of the I-frame is one of the sequence's (`intra.labels.range`).
@@ -80,6 +96,13 @@ impl Reconstruction {
         let (vertices, nodes) = (&self.intra.positions, &self.nodes.positions);
         bind(vertices, &self.vertex_regions, nodes, &node_regions, &options, &mut self.influence)
             .map_err(bind_rule)?;
+        let path = trace_path(&Sites {
+            positions: nodes,
+            body_labels: (self.labels == LabelSet::Body).then_some(&self.nodes.labels),
+            influence: &self.influence,
+            up_axis: self.up_axis,
+        });
+        self.translations.begin(&self.nodes.labels, path);
         for position in &mut self.nodes.positions {
             *position = position.map(|c| c << self.fraction_bits);
         }
@@ -103,12 +126,24 @@ impl Reconstruction {
         }
     }
 
+    /// What the syntax of the next P-frame depends on.
+    pub(crate) fn motion_context(&self) -> MotionContext {
+        MotionContext {
+            node_count: self.nodes.positions.len() as u32,
+            affine_count: self.nodes.affine_count(),
+            part_count: self.translations.part_count(),
+            previous_table: self.translations.dictionary().map(|last| last.table),
+        }
+    }
+
     /// Decodes a P-frame: the reference becomes this frame, the nodes move.
     ///
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
     pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
-        decode_transforms(motion, &self.nodes.affine, &mut self.transforms);
+        self.translations.decode(motion)?;
+        let translations = self.translations.decoded();
+        decode_transforms(motion, &self.nodes.affine, translations, &mut self.transforms);
         let limit = Grid::LIMIT << self.fraction_bits;
         self.deformer
             .deform(
@@ -133,14 +168,6 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// The last decoded frame in grid steps (`#V × 3`; `deform.output`).
-    pub(crate) fn show(&self, positions: &mut Vec<[i32; 3]>) {
-        let half = (1 << self.fraction_bits) >> 1;
-        positions.clear();
-        positions
-            .extend(self.reference.iter().map(|p| p.map(|c| (c + half) >> self.fraction_bits)));
-    }
-
     /// The decoded I-frame of the group, in grid steps.
     pub(crate) fn intra(&self) -> &GridMesh {
         &self.intra
@@ -151,10 +178,15 @@ impl Reconstruction {
         &self.nodes
     }
 
-    /// The last decoded frame in reference units (`#V × 3`).
-    #[cfg(feature = "encode")]
+    /// The last decoded frame in reference units (`#V × 3`; `deform.output`).
     pub(crate) fn reference(&self) -> &[[i32; 3]] {
         &self.reference
+    }
+
+    /// Translations of the last P-frame.
+    #[cfg(feature = "encode")]
+    pub(crate) fn translations(&self) -> &Translations {
+        &self.translations
     }
 
     /// Influence of the group.

@@ -86,8 +86,6 @@ pub struct StreamDecoder {
     group: Reconstruction,
     intra_decoder: IntraDecoder,
     motion: MotionFrame,
-    /// `#V × 3`, the last frame on the grid.
-    shown: Vec<[i32; 3]>,
     frame_name: String,
     /// Index of the next frame.
     frame: u64,
@@ -113,7 +111,6 @@ impl StreamDecoder {
             group: Reconstruction::default(),
             intra_decoder: IntraDecoder::default(),
             motion: MotionFrame::default(),
-            shown: Vec::new(),
             frame_name: String::new(),
             frame: 0,
             frame_bytes: 0,
@@ -187,14 +184,16 @@ impl StreamDecoder {
         self.header.as_ref()
     }
 
-    /// The sequence's grid, once the header has arrived.
+    /// The grid of decoded positions, once the header has arrived: its step is a reference unit,
+    /// 2^-`fraction_bits` steps of the grid that I-frames are coded on.
     pub fn grid(&self) -> Option<Grid> {
-        self.header.as_ref().map(|h| Grid { origin: h.grid_origin, step: h.grid_step })
+        let fine = |h: &SequenceHeader| h.grid_step / f64::from(1_u32 << h.fraction_bits);
+        self.header.as_ref().map(|h| Grid { origin: h.grid_origin, step: fine(h) })
     }
 
-    /// The last frame's positions on the grid (`#V × 3`).
+    /// The last frame's positions on [`Self::grid`] (`#V × 3`), the same in every decoder.
     pub fn grid_positions(&self) -> &[[i32; 3]] {
-        &self.shown
+        self.group.reference()
     }
 
     /// The last frame's faces (`#F × 3`), the same through a group of frames.
@@ -335,7 +334,7 @@ impl StreamDecoder {
     fn fill(&self, mesh: &mut Mesh) {
         let Some(grid) = self.grid() else { return };
         mesh.positions.clear();
-        mesh.positions.extend(self.shown.iter().map(|&p| grid.dequantise(p)));
+        mesh.positions.extend(self.grid_positions().iter().map(|&p| grid.dequantise(p)));
         let intra = self.group.intra();
         // Copied for P-frames too: the caller may have brought another mesh.
         mesh.faces.clear();

@@ -1,25 +1,25 @@
 //! From quantised motion to node transforms (`spec/07-motion.md`).
 
-use kn_bitstream::{MotionFrame, parameter_step, translation_step};
+use kn_bitstream::{MotionFrame, parameter_step};
 use kn_deform::NodeTransform;
 
 /// Unit of the parameter steps: 2^−16.
 const PARAMETER_UNIT: f64 = 1.0 / 65536.0;
 
-/// Dequantises the transforms of a frame; `affine` has one entry per node. Components that a node
-/// does not carry are the identity. Translations are integers in reference units.
+/// Dequantises the transforms of a frame; `affine` has one entry per node, `translations` are
+/// decoded already, in reference units. Components that a node does not carry are the identity.
 ///
 /// The reader has checked every range, and a product of integers below 2^53 with a power of two is
 /// exact, so there is nothing to round here.
 pub(crate) fn decode_transforms(
     motion: &MotionFrame,
     affine: &[bool],
+    translations: &[[i64; 3]],
     transforms: &mut Vec<NodeTransform>,
 ) {
     transforms.clear();
-    let step = translation_step(motion.translation_step);
-    transforms.extend(motion.translation.iter().map(|quantised| NodeTransform {
-        translation: quantised.map(|q| (i64::from(q) * step) as f64),
+    transforms.extend(translations.iter().map(|translation| NodeTransform {
+        translation: translation.map(|t| t as f64),
         ..NodeTransform::IDENTITY
     }));
     let enabled = motion.enabled;
@@ -53,18 +53,17 @@ mod tests {
     fn lists_go_to_the_nodes_that_carry_them() {
         let motion = MotionFrame {
             enabled: Components { rotation: false, scale: true, shear: true },
-            translation_step: 8,
             rotation_step: 56,
             scale_step: 56,
             shear_step: 60,
-            translation: vec![[1, 0, -1], [2, 0, 0], [0; 3]],
             rotation: vec![[1, 0, 0], [0, 0, -1]],
             scale: vec![[-1, 0, 2]],
             shear: vec![[0, 1, 0]],
             ..MotionFrame::default()
         };
         let mut transforms = Vec::new();
-        decode_transforms(&motion, &[false, true, false], &mut transforms);
+        let translations = [[4, 0, -4], [8, 0, 0], [0; 3]];
+        decode_transforms(&motion, &[false, true, false], &translations, &mut transforms);
         assert_eq!(transforms[0].translation, [4.0, 0.0, -4.0]);
         assert_eq!(transforms[0].rotation, [1.0, 0.0, 0.0]);
         assert_eq!(transforms[1].rotation, [0.0; 3]);

@@ -2,7 +2,7 @@
 
 use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
-use kn_mesh::BoundingBox;
+use kn_mesh::{BoundingBox, Grid};
 
 /// How the sequence's grid is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,21 @@ pub enum GridChoice {
         /// As for bits; here it only places the origin.
         bounds: Option<BoundingBox>,
     },
+    /// A grid that all coordinates lie on already (see [`kn_mesh::ExactGrid`]): they come back to
+    /// the last bit, and a frame that is not on it is an error. Only I-frames are exact, so groups
+    /// have one frame and nothing is decimated.
+    Lossless(Grid),
+}
+
+/// How far I-frames are decimated; P-frames then deform the coarser mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decimation {
+    /// At most so many faces, as far as topology allows.
+    Faces(u32),
+    /// At most this share of the faces, between 0 and 1.
+    Share(f64),
+    /// No vertex of the scan further than this from the coarser surface, world units.
+    Error(f64),
 }
 
 /// Which key nodes are affine; the others are rigid.
@@ -47,6 +62,26 @@ pub enum NodePlacement {
     GeneratedByMsdm2,
 }
 
+/// How strongly I-frames are smoothed within their grid's uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SmoothingChoice {
+    /// As strongly as brings the decoded surface no farther from the scan.
+    Auto,
+    /// 0 (decoded positions are exactly the quantised ones) to 5.
+    Strength(u8),
+}
+
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TranslationChoice {
+    /// Nothing.
+    Direct,
+    /// The paper's choice: spatial in the first P-frame of a group, spatio-temporal in the others.
+    Paper,
+    /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
+    Cost,
+}
+
 /// Names of the frames: `prefix`, then the frame number with at least `digits` digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamePattern {
@@ -63,6 +98,10 @@ pub struct NamePattern {
 pub struct EncoderConfig {
     /// The grid of the whole sequence.
     pub grid: GridChoice,
+    /// Whether and how far I-frames are decimated.
+    pub decimation: Option<Decimation>,
+    /// Whether reports of I-frames have a vertex map.
+    pub vertex_maps: bool,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
@@ -80,6 +119,8 @@ pub struct EncoderConfig {
     pub up_axis: u8,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
+    /// Smoothing of I-frames.
+    pub smoothing: SmoothingChoice,
     /// Q, 1 to 8.
     pub nodes_per_vertex: u8,
     /// Distance to weight.
@@ -90,6 +131,8 @@ pub struct EncoderConfig {
     pub affine: AffineChoice,
     /// Components of affine nodes.
     pub combination: Combination,
+    /// What translations are predicted from.
+    pub translation: TranslationChoice,
     /// Quantiser step of translations in grid steps; the steps of the other components follow from
     /// it and the reach of a node.
     pub motion_step: f64,
@@ -103,6 +146,8 @@ impl Default for EncoderConfig {
     fn default() -> Self {
         Self {
             grid: GridChoice::Bits { bits: 11, bounds: None },
+            decimation: None,
+            vertex_maps: false,
             group_length: 8,
             nodes: 150,
             nodes_by_cost: false,
@@ -111,11 +156,13 @@ impl Default for EncoderConfig {
             unit: UnitOfLength::Unspecified,
             up_axis: 1,
             fraction_bits: 8,
+            smoothing: SmoothingChoice::Auto,
             nodes_per_vertex: 4,
             weights: WeightScheme::InverseSquare,
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: Combination::RTSH,
+            translation: TranslationChoice::Cost,
             motion_step: 1.0,
             digests: true,
             names: None,

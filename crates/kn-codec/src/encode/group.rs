@@ -3,10 +3,12 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::EncoderConfig;
+use crate::encode::config::{EncoderConfig, GridChoice, SmoothingChoice};
+use crate::encode::decimate::decimate;
 use crate::encode::motion::{MotionEncoder, fit_target};
 use crate::encode::nodes::NodeChooser;
 use crate::encode::report::FrameReport;
+use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
@@ -23,7 +25,6 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     payload: Vec<u8>,
     motion: MotionEncoder,
-    shown: Vec<[i32; 3]>,
     /// Why the last group ended early.
     reason: Option<String>,
 }
@@ -38,7 +39,6 @@ impl GroupEncoder {
             header,
             intra_decoder: IntraDecoder::default(),
             payload: Vec::new(),
-            shown: Vec::new(),
             reason: None,
         }
     }
@@ -73,10 +73,11 @@ impl GroupEncoder {
         let mut target = fit_target(&predicted[0], grid, first + 1)?;
         for offset in 0..predicted.len() {
             let index = first + 1 + offset as u64;
+            let faces = predicted[offset].faces.len() as u32;
             let next = predicted.get(offset + 1);
             // The next frame's tree is built while this frame is fitted.
             let (report, next_target) = rayon::join(
-                || self.encode_motion_frame(&target, index, out),
+                || self.encode_motion_frame(&target, faces, index, out),
                 || next.map(|mesh| fit_target(mesh, grid, index + 1)).transpose(),
             );
             let Some(mut report) = report? else {
@@ -105,22 +106,32 @@ impl GroupEncoder {
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
-        let positions = self.grid.quantise(&mesh.positions);
-        let coded = GridMesh {
-            positions: positions.map_err(|error| input(error.to_string()))?,
-            faces: mesh.faces.clone(),
-            labels: mesh.labels.clone(),
-        };
+        let decimated = self.config.decimation.and_then(|decimation| decimate(mesh, decimation));
+        let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
+        let coded = self.on_grid(coarse).map_err(input)?;
         self.payload.clear();
-        encode_intra(&coded, &mut self.payload).map_err(|error| input(error.to_string()))?;
+        let encoding = encode_intra(&coded, &mut self.payload);
+        let encoding = encoding.map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
-        self.reconstruction.show(&mut self.shown);
+        let smoothing = match self.config.smoothing {
+            // Positions are the input's to the last bit.
+            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
+            SmoothingChoice::Strength(strength) => strength,
+            SmoothingChoice::Auto => {
+                let unit = f64::from(1_u32 << self.header.fraction_bits);
+                // A mesh without area has no surface to smooth.
+                fit_target(mesh, self.grid, index)
+                    .map_or(0, |scan| choose_smoothing(&mut self.reconstruction, &scan, unit))
+            }
+        };
+        self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
         let digests = self.config.digests;
-        let positions_digest = digests.then(|| positions_digest(&self.shown));
+        let positions_digest = digests.then(|| positions_digest(self.reconstruction.reference()));
         let frame = IntraFrame {
             header: FrameHeader { name: String::new(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
+            smoothing,
             payload: &self.payload,
         };
         let mut bits = BitWriter::new();
@@ -134,9 +145,29 @@ impl GroupEncoder {
             faces: decoded.faces.len() as u32,
             nodes: 0,
             combination: None,
+            translation: None,
+            input_faces: mesh.faces.len() as u32,
+            decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
+            vertex_map: self.config.vertex_maps.then(|| match decimated {
+                Some(decimated) => decimated.through(&encoding.vertex_map),
+                None => encoding.vertex_map,
+            }),
             fit_rms: 0.0,
             reason: self.reason.take(),
         })
+    }
+
+    /// The mesh on the sequence's grid; in lossless mode, a mesh that is there already.
+    fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, String> {
+        let positions = self.grid.quantise(&mesh.positions).map_err(|error| error.to_string())?;
+        if let GridChoice::Lossless(grid) = self.config.grid {
+            let pairs = mesh.positions.iter().zip(&positions);
+            let moved = |(own, coded): (&[f32; 3], &[i32; 3])| grid.dequantise(*coded) != *own;
+            if let Some(vertex) = pairs.map(moved).position(|moved| moved) {
+                return Err(format!("vertex {vertex} does not lie on the lossless grid"));
+            }
+        }
+        Ok(GridMesh { positions, faces: mesh.faces.clone(), labels: mesh.labels.clone() })
     }
 
     /// The decoder's view of the I-frame that was just coded.
@@ -145,7 +176,7 @@ impl GroupEncoder {
         let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
         let (payload, decoder) = (&self.payload, &mut self.intra_decoder);
         self.reconstruction
-            .begin(|decoded| decode_intra(payload, &limits, decoder, decoded))
+            .begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))
             .map_err(|error| error.to_string())
     }
 
@@ -186,6 +217,7 @@ impl GroupEncoder {
     fn encode_motion_frame(
         &mut self,
         target: &FitTarget,
+        input_faces: u32,
         index: u64,
         out: &mut Vec<u8>,
     ) -> Result<Option<FrameReport>, EncodeError> {
@@ -195,12 +227,13 @@ impl GroupEncoder {
         if self.reason.is_some() {
             return Ok(None);
         }
+        let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
         self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
-        self.reconstruction.show(&mut self.shown);
-        motion.header.positions_digest = self.config.digests.then(|| positions_digest(&self.shown));
+        let positions = self.reconstruction.reference();
+        motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
-        motion.write(&mut bits);
+        motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
         Ok(Some(FrameReport {
             index,
@@ -211,6 +244,10 @@ impl GroupEncoder {
             faces: intra.faces.len() as u32,
             nodes: self.reconstruction.nodes().positions.len() as u32,
             combination: Some(self.config.combination),
+            translation: Some(motion.translation_mode),
+            input_faces,
+            decimation_error: 0.0,
+            vertex_map: None,
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
             reason: None,
         }))

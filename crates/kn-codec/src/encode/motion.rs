@@ -1,8 +1,9 @@
 //! Motion of P-frames: fit, then quantise.
 
 use crate::decode::Reconstruction;
-use crate::encode::config::EncoderConfig;
-use crate::encode::quantise::{Steps, quantise_motion};
+use crate::encode::config::{EncoderConfig, TranslationChoice};
+use crate::encode::quantise::{Steps, quantise_parameters};
+use crate::encode::translation::code_translations;
 use crate::error::EncodeError;
 use kn_bitstream::{MotionFrame, SequenceHeader};
 use kn_deform::{Combination, NodeTransform};
@@ -12,6 +13,7 @@ use kn_mesh::{Grid, Mesh};
 /// Fits and quantises the P-frames of a group; buffers are reused.
 pub(crate) struct MotionEncoder {
     combination: Combination,
+    choice: TranslationChoice,
     /// Reference units in a grid step.
     unit: f64,
     /// Quantiser step of translations in reference units.
@@ -31,6 +33,7 @@ impl MotionEncoder {
         let unit = f64::from(1_u32 << header.fraction_bits);
         Self {
             combination: config.combination,
+            choice: config.translation,
             unit,
             step: config.motion_step * unit,
             fitter: None,
@@ -83,7 +86,15 @@ impl MotionEncoder {
         }));
         let steps = Steps::balanced(self.step, reach(decoded));
         let affine = &decoded.nodes().affine;
-        quantise_motion(&self.transforms, affine, self.combination, steps, &mut self.motion);
+        let (transforms, motion) = (&self.transforms, &mut self.motion);
+        code_translations(
+            transforms,
+            decoded.translations(),
+            self.choice,
+            steps.translation,
+            motion,
+        );
+        quantise_parameters(transforms, affine, self.combination, steps, motion);
         &mut self.motion
     }
 }

@@ -1,4 +1,4 @@
-//! From fitted transforms to quantised motion: steps, values, tables.
+//! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
 
 use kn_bitstream::{
     Components, HUFFMAN_VALUE_LIMIT, MotionFrame, best_table, parameter_step, translation_step,
@@ -40,15 +40,14 @@ fn nearest(wanted: f64, step: impl Fn(u8) -> i64) -> u8 {
 const ONE: f64 = 65536.0;
 /// Largest quantised value that a Huffman code carries.
 const MAX_VALUE: f64 = (HUFFMAN_VALUE_LIMIT - 1) as f64;
-/// Translations, angles and stretches stay inside the decoder's bounds by more than half a step.
-const TRANSLATION_BOUND: f64 = 1.0e8;
+/// Angles and stretches stay inside the decoder's bounds by more than half a step.
 const ANGLE_BOUND: f64 = 3.2;
 const STRETCH_BOUND: f64 = 4.0;
 const SCALE_BOUNDS: (f64, f64) = (0.1, 4.0);
 
-/// Writes the quantised transforms (`#N`, in reference units) into `motion` and chooses the
-/// Huffman tables. `affine` has one entry per node.
-pub(crate) fn quantise_motion(
+/// Writes the quantised rotations, scales and shears of `transforms` (`#N`) into `motion` and
+/// chooses their Huffman table. `affine` has one entry per node.
+pub(crate) fn quantise_parameters(
     transforms: &[NodeTransform],
     affine: &[bool],
     combination: Combination,
@@ -62,16 +61,11 @@ pub(crate) fn quantise_motion(
         scale: carried(combination.scale),
         shear: carried(combination.shear),
     };
-    motion.translation_step = steps.translation;
-    motion.translation.clear();
     motion.rotation.clear();
     motion.scale.clear();
     motion.shear.clear();
-    let t_step = translation_step(steps.translation) as f64;
     let [r_step, s_step, h_step] = [steps.rotation, steps.scale, steps.shear].map(unit_step);
     for (transform, &affine) in transforms.iter().zip(affine) {
-        let translation = |t: f64| quantised(t, t_step, TRANSLATION_BOUND);
-        motion.translation.push(transform.translation.map(translation));
         if !affine || motion.enabled.rotation {
             let angle = |angle: f64| quantised(wrapped(angle), r_step, ANGLE_BOUND);
             motion.rotation.push(transform.rotation.map(angle));
@@ -87,12 +81,7 @@ pub(crate) fn quantise_motion(
     motion.rotation_step = used(steps.rotation, &motion.rotation);
     motion.scale_step = used(steps.scale, &motion.scale);
     motion.shear_step = used(steps.shear, &motion.shear);
-    choose_tables(motion);
-}
-
-/// The tables that cost the fewest bits: one for T, one for P = [R', S', H'].
-fn choose_tables(motion: &mut MotionFrame) {
-    motion.translation_table = best_table(motion.translation.as_flattened()).0;
+    // One table for P = [R', S', H'].
     let parameters: Vec<i32> = [&motion.rotation, &motion.scale, &motion.shear]
         .into_iter()
         .flat_map(|list| list.as_flattened().iter().copied())
@@ -105,11 +94,12 @@ fn unit_step(index: u8) -> f64 {
     parameter_step(index) as f64 / ONE
 }
 
-/// The nearest quantised value, towards zero where the nearest would leave `bound` or the code.
-fn quantised(value: f64, step: f64, bound: f64) -> i32 {
+/// The nearest quantised value, the upper of two, so that a prediction by whole steps leaves it what
+/// it was; towards zero where the nearest would leave `bound` or the code.
+pub(crate) fn quantised(value: f64, step: f64, bound: f64) -> i32 {
     let most = (bound / step).floor().min(MAX_VALUE);
     // A NaN, which no fit should give, becomes zero.
-    (value / step).round().clamp(-most, most) as i32
+    (value / step + 0.5).floor().clamp(-most, most) as i32
 }
 
 /// S' = S − 1; a scale stays positive.
@@ -127,7 +117,10 @@ fn wrapped(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kn_bitstream::{BitReader, BitWriter, MotionContext};
+    use crate::decode::Translations;
+    use crate::encode::config::TranslationChoice;
+    use crate::encode::translation::code_translations;
+    use kn_bitstream::{BitReader, BitWriter, MotionContext, translation_step};
 
     #[test]
     fn steps_balance_translation_and_rotation() {
@@ -144,13 +137,16 @@ mod tests {
             shear: [1e9, -1e9, 0.0],
             translation: [1.0, 1e30, -1e30],
         };
+        let mut before = Translations::default();
+        before.begin(&[0; 2], Vec::new());
         let mut motion = MotionFrame::default();
         for index in 0..64 {
             let steps = Steps { translation: index, rotation: index, scale: index, shear: index };
-            quantise_motion(&[wild; 2], &[true, false], Combination::RTSH, steps, &mut motion);
+            quantise_parameters(&[wild; 2], &[true, false], Combination::RTSH, steps, &mut motion);
+            code_translations(&[wild; 2], &before, TranslationChoice::Direct, index, &mut motion);
             let mut bits = BitWriter::new();
-            motion.write(&mut bits);
-            let context = MotionContext { node_count: 2, affine_count: 1 };
+            let context = MotionContext { node_count: 2, affine_count: 1, ..Default::default() };
+            motion.write(&mut bits, &context);
             let mut read = MotionFrame::default();
             let bytes = bits.into_bytes();
             read.read(&mut BitReader::new(&bytes), &context).expect("in range");

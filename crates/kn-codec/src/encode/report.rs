@@ -1,6 +1,7 @@
 //! What an encoder tells about its frames.
 
 use crate::decode::FrameKind;
+use kn_bitstream::TranslationMode;
 use kn_deform::Combination;
 
 /// What became of one frame.
@@ -22,6 +23,16 @@ pub struct FrameReport {
     pub nodes: u32,
     /// Components of affine nodes; `None` for an I-frame.
     pub combination: Option<Combination>,
+    /// What translations are predicted from; `None` for an I-frame.
+    pub translation: Option<TranslationMode>,
+    /// Faces of the input frame.
+    pub input_faces: u32,
+    /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
+    /// world units; 0 where nothing was decimated.
+    pub decimation_error: f64,
+    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::GONE`], of an I-frame where
+    /// [`crate::EncoderConfig::vertex_maps`] asks for it.
+    pub vertex_map: Option<Vec<u32>>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,

@@ -1,6 +1,8 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{EncoderConfig, GridChoice, NodePlacement};
+use crate::encode::config::{
+    Decimation, EncoderConfig, GridChoice, NodePlacement, SmoothingChoice,
+};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
@@ -61,7 +63,14 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     require(config.nodes > 0, "there must be a key node")?;
     let evenly = config.placement == NodePlacement::Farthest;
     require(!(config.nodes_by_cost && evenly), "nodes by cost are generated, not spread evenly")?;
+    if let SmoothingChoice::Strength(strength) = config.smoothing {
+        require(strength <= kn_bitstream::MAX_SMOOTHING, "smoothing is 0 to 5")?;
+    }
     require(config.motion_step > 0.0, "the motion step is not positive")?;
+    let lossless = matches!(config.grid, GridChoice::Lossless(_));
+    require(!lossless || config.group_length == 1, "only groups of one frame are lossless")?;
+    require(!lossless || config.decimation.is_none(), "a decimated mesh is not lossless")?;
+    require(config.decimation.is_none_or(is_sound), "nothing is left of a decimated mesh")?;
     if let WeightScheme::Gaussian { sigma } = config.weights {
         require((1..1 << 20).contains(&sigma), "sigma is not 1 to 2^20 − 1 grid steps")?;
     }
@@ -71,6 +80,14 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
         require(names.digits <= 9, "names have at most 9 digits")?;
     }
     Ok(())
+}
+
+fn is_sound(decimation: Decimation) -> bool {
+    match decimation {
+        Decimation::Faces(faces) => faces > 0,
+        Decimation::Share(share) => share > 0.0 && share <= 1.0,
+        Decimation::Error(error) => error > 0.0 && error.is_finite(),
+    }
 }
 
 /// The lowest level, from 1 on, that holds twice the first frame: later frames may be larger.
@@ -90,23 +107,30 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
 
 /// The grid that the settings ask for: its origin is the lowest corner of the box.
 fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
-    let (GridChoice::Bits { bounds, .. } | GridChoice::Step { bounds, .. }) = choice;
+    let bounds = match choice {
+        GridChoice::Lossless(grid) => return sound(*grid),
+        GridChoice::Bits { bounds, .. } | GridChoice::Step { bounds, .. } => bounds,
+    };
     let bounds = match bounds.or_else(|| first.bounding_box()) {
         Some(bounds) => bounds,
         None => return Err(EncodeError::Config("the first frame has no box".into())),
     };
     let step = match *choice {
-        GridChoice::Step { step, .. } => step,
-        GridChoice::Bits { bits, .. } if (4..=20).contains(&bits) => step_of_bits(bits, &bounds),
-        GridChoice::Bits { bits, .. } => {
+        GridChoice::Bits { bits, .. } if !(4..=20).contains(&bits) => {
             return Err(EncodeError::Config(format!("{bits} bits are not 4 to 20")));
         }
+        GridChoice::Bits { bits, .. } => step_of_bits(bits, &bounds),
+        GridChoice::Step { step, .. } | GridChoice::Lossless(Grid { step, .. }) => step,
     };
-    let sound = step.is_finite() && step > 0.0 && bounds.min.iter().all(|c| c.is_finite());
-    if !sound {
-        return Err(EncodeError::Config(format!("the grid step {step} is not positive")));
+    sound(Grid { origin: bounds.min, step })
+}
+
+/// A grid that positions can be put on.
+fn sound(grid: Grid) -> Result<Grid, EncodeError> {
+    if grid.step.is_finite() && grid.step > 0.0 && grid.origin.iter().all(|c| c.is_finite()) {
+        return Ok(grid);
     }
-    Ok(Grid { origin: bounds.min, step })
+    Err(EncodeError::Config(format!("the grid step {} is not positive", grid.step)))
 }
 
 /// A box without extent has any step.

@@ -39,25 +39,38 @@ pub(super) enum Symbol {
     Merge { edge: u32 },
 }
 
-/// The known part of the surfaces, and its active loops. Half-edge `3t + k` runs from corner `k` of
-/// triangle `t` to the next corner.
+/// Half-edge `3t + k` runs from corner `k` of triangle `t` to the next corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfEdge {
+    /// Vertex that it starts from.
+    pub(super) origin: u32,
+    /// Half-edge on the other side; [`NONE`] on an active loop.
+    pub(super) mate: u32,
+    /// Neighbours on the active loop, for half-edges on one.
+    after: u32,
+    before: u32,
+}
+
+/// A vertex of the surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    /// Triangles that it has in all.
+    pub(super) valence: u32,
+    /// Triangles that it still lacks.
+    lacking: u32,
+    /// The first half-edge that started from it.
+    pub(super) corner: u32,
+    /// Whether it stands for a hole.
+    pub(super) dummy: bool,
+}
+
+/// The known part of the surfaces, and its active loops.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conquest {
-    /// `3#T` vertex that each half-edge starts from.
-    pub(super) origin: Vec<u32>,
-    /// `3#T` half-edge on the other side; [`NONE`] on an active loop.
-    pub(super) mate: Vec<u32>,
-    /// `#M` triangles that each vertex has in all.
-    pub(super) valence: Vec<u32>,
-    /// `#M` triangles that each vertex still lacks.
-    lacking: Vec<u32>,
-    /// `#M` whether the vertex stands for a hole.
-    pub(super) dummy: Vec<bool>,
-    /// `#M` the first half-edge that started from each vertex.
-    pub(super) corner: Vec<u32>,
-    /// `3#T` neighbours on the active loop, for half-edges on one.
-    after: Vec<u32>,
-    before: Vec<u32>,
+    /// `3#T`
+    pub(super) edges: Vec<HalfEdge>,
+    /// `#M`
+    pub(super) vertices: Vec<Vertex>,
     /// Open half-edges by how few triangles their end lacks; entries may be out of date.
     waiting: [Vec<u32>; URGENCIES],
     /// No bucket of `waiting` below this one has entries.
@@ -72,14 +85,8 @@ pub(super) struct Conquest {
 impl Conquest {
     /// Empties it and keeps the buffers.
     pub(super) fn clear(&mut self) {
-        self.origin.clear();
-        self.mate.clear();
-        self.valence.clear();
-        self.lacking.clear();
-        self.dummy.clear();
-        self.corner.clear();
-        self.after.clear();
-        self.before.clear();
+        self.edges.clear();
+        self.vertices.clear();
         self.waiting.iter_mut().for_each(Vec::clear);
         self.first_waiting = URGENCIES;
         self.walked = 0;
@@ -90,7 +97,7 @@ impl Conquest {
     /// Number of triangles, those of dummies included.
     #[inline]
     pub(super) fn triangles(&self) -> usize {
-        self.origin.len() / 3
+        self.edges.len() / 3
     }
 
     /// Number of triangles without a dummy.
@@ -99,15 +106,9 @@ impl Conquest {
         self.real_triangles
     }
 
-    /// Number of vertices, dummies included.
-    #[inline]
-    pub(super) fn vertices(&self) -> usize {
-        self.dummy.len()
-    }
-
     /// Whether every vertex has got exactly the triangles that its valence announced.
     pub(super) fn is_complete(&self) -> bool {
-        !self.overfull && self.lacking.iter().all(|&lacking| lacking == 0)
+        !self.overfull && self.vertices.iter().all(|vertex| vertex.lacking == 0)
     }
 
     /// Starts a component with a triangle of three new vertices; every number is a valence.
@@ -115,7 +116,7 @@ impl Conquest {
         let corners = valences.map(|valence| self.add_vertex(false, valence));
         let first = self.add_triangle(corners);
         for k in 0..3 {
-            self.corner[corners[k] as usize] = first + k as u32;
+            self.vertices[corners[k] as usize].corner = first + k as u32;
             self.link(first + k as u32, next(first + k as u32));
         }
         (first..first + 3).for_each(|h| self.wait(h));
@@ -130,7 +131,7 @@ impl Conquest {
                 self.first_waiting += 1;
                 continue;
             };
-            if self.mate[edge as usize] != NONE {
+            if self.edges[edge as usize].mate != NONE {
                 continue;
             }
             if self.urgency(edge) == self.first_waiting {
@@ -156,31 +157,31 @@ impl Conquest {
     /// Edge of the active loop after `edge`.
     #[inline]
     pub(super) fn after(&self, edge: u32) -> u32 {
-        self.after[edge as usize]
+        self.edges[edge as usize].after
     }
 
     /// Edge of the active loop before `edge`.
     #[inline]
     pub(super) fn before(&self, edge: u32) -> u32 {
-        self.before[edge as usize]
+        self.edges[edge as usize].before
     }
 
     /// Vertex that a half-edge starts from.
     #[inline]
     pub(super) fn start(&self, edge: u32) -> u32 {
-        self.origin[edge as usize]
+        self.edges[edge as usize].origin
     }
 
     /// Vertex that a half-edge ends at.
     #[inline]
     pub(super) fn end(&self, edge: u32) -> u32 {
-        self.origin[next(edge) as usize]
+        self.edges[next(edge) as usize].origin
     }
 
     /// Triangles that the vertex still lacks.
     #[inline]
     pub(super) fn lacking(&self, vertex: u32) -> u32 {
-        self.lacking[vertex as usize]
+        self.vertices[vertex as usize].lacking
     }
 
     /// Whether the loop of `edge` has three edges.
@@ -215,7 +216,7 @@ impl Conquest {
         let (before, after) = (self.before(gate), self.after(gate));
         let tip = self.add_vertex(dummy, valence);
         let triangle = self.add_behind(gate, tip);
-        self.corner[tip as usize] = triangle + 2;
+        self.vertices[tip as usize].corner = triangle + 2;
         self.link(before, triangle + 1);
         self.link(triangle + 1, triangle + 2);
         self.link(triangle + 2, after);
@@ -268,7 +269,7 @@ impl Conquest {
     /// The tip is the start of open half-edge `target`: on the gate's own loop, this becomes two;
     /// on another, the two become one.
     fn apply_jump(&mut self, gate: u32, target: u32) -> Result<(), Rule> {
-        if self.mate.get(target as usize) != Some(&NONE) {
+        if self.edges.get(target as usize).map(|edge| edge.mate) != Some(NONE) {
             return Err(rule::MERGE_EDGE);
         }
         let tip = self.start(target);
@@ -306,11 +307,8 @@ impl Conquest {
     }
 
     fn add_vertex(&mut self, dummy: bool, valence: u32) -> u32 {
-        self.valence.push(valence);
-        self.lacking.push(valence);
-        self.dummy.push(dummy);
-        self.corner.push(NONE);
-        self.dummy.len() as u32 - 1
+        self.vertices.push(Vertex { valence, lacking: valence, corner: NONE, dummy });
+        self.vertices.len() as u32 - 1
     }
 
     /// The triangle (b, a, tip) behind gate a → b: half-edges b → a, a → tip, tip → b.
@@ -323,30 +321,29 @@ impl Conquest {
 
     #[inline]
     fn add_triangle(&mut self, corners: [u32; 3]) -> u32 {
-        let first = self.origin.len() as u32;
-        self.origin.extend_from_slice(&corners);
-        self.mate.extend_from_slice(&[NONE; 3]);
-        self.after.extend_from_slice(&[NONE; 3]);
-        self.before.extend_from_slice(&[NONE; 3]);
-        for vertex in corners {
-            let lacking = &mut self.lacking[vertex as usize];
-            self.overfull |= *lacking == 0;
-            *lacking = lacking.saturating_sub(1);
+        let first = self.edges.len() as u32;
+        let open = |origin| HalfEdge { origin, mate: NONE, after: NONE, before: NONE };
+        self.edges.extend_from_slice(&corners.map(open));
+        let mut real = true;
+        for corner in corners {
+            let vertex = &mut self.vertices[corner as usize];
+            self.overfull |= vertex.lacking == 0;
+            vertex.lacking = vertex.lacking.saturating_sub(1);
+            real &= !vertex.dummy;
         }
-        let real = !corners.iter().any(|&vertex| self.dummy[vertex as usize]);
         self.real_triangles += usize::from(real);
         first
     }
 
     #[inline]
     fn pair(&mut self, g: u32, h: u32) {
-        self.mate[g as usize] = h;
-        self.mate[h as usize] = g;
+        self.edges[g as usize].mate = h;
+        self.edges[h as usize].mate = g;
     }
 
     #[inline]
     fn link(&mut self, edge: u32, after: u32) {
-        self.after[edge as usize] = after;
-        self.before[after as usize] = edge;
+        self.edges[edge as usize].after = after;
+        self.edges[after as usize].before = edge;
     }
 }

@@ -1,13 +1,13 @@
 //! Payload to mesh.
 
 use super::IntraError;
-use super::conquest::{Conquest, NONE, Symbol};
+use super::conquest::{Conquest, HalfEdge, NONE, Symbol};
 use super::geometry::{GeometryModels, code_positions};
 use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
-use super::predict::Prediction;
+use super::predict::{Point, Prediction};
 use super::rule::{self, Rule};
 use super::surface::Surface;
 use super::symbols::SymbolModels;
@@ -31,12 +31,11 @@ pub struct IntraDecoder {
     traversal: Traversal,
     label_traversal: LabelTraversal,
     joins: Vec<(u32, u32)>,
-    /// Per vertex of the conquest: the next twin, the decoded number, position, label, error.
-    twin: Vec<u32>,
+    surface: Surface,
+    /// Per vertex of the conquest: the decoded number, position and error, label.
     number: Vec<u32>,
-    positions: Vec<[i32; 3]>,
+    points: Vec<Point>,
     labels: Vec<u8>,
-    errors: Vec<i32>,
 }
 
 /// Decodes one payload into `mesh`, whose buffers are reused. Vertices come in the order in which
@@ -44,9 +43,9 @@ pub struct IntraDecoder {
 /// payload has none.
 ///
 /// Safe on untrusted input: returns an error or a mesh with indices in range, never panics, and
-/// allocates at most about 1 kB for each face and 60 bytes for each vertex that the header announces;
-/// it announces no more than `limits` allow, and no more than 2048 of both together for a byte of
-/// payload. On an error the mesh is empty.
+/// allocates at most about 1.5 kB for each face and 60 bytes for each vertex that the header
+/// announces; it announces no more than `limits` allow, and no more than 2048 of both together for a
+/// byte of payload. (Scans take 250 bytes a face.) On an error the mesh is empty.
 ///
 /// # Errors
 /// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].
@@ -88,22 +87,26 @@ impl IntraDecoder {
         mesh: &mut GridMesh,
     ) -> Result<(), Rule> {
         self.decode_conquest(coder, header)?;
-        let vertices = self.conquest.vertices();
-        self.twin.clear();
-        self.twin.extend(0..vertices as u32);
+        let vertices = self.conquest.vertices.len();
+        self.surface.restart(&self.conquest);
         self.number.clear();
         self.number.resize(vertices, NONE);
         self.joins.clear();
         self.joins.resize(header.joins as usize, (0, 0));
-        code_joins(coder, &self.conquest, &mut self.joins, &mut self.twin, &mut self.number)?;
+        code_joins(
+            coder,
+            &self.conquest,
+            &mut self.joins,
+            &mut self.surface.twin,
+            &mut self.number,
+        )?;
         let numbered = number_vertices(&self.conquest, &mut self.number);
         if numbered.checked_add(header.isolated) != Some(header.vertices) {
             return Err(rule::VERTEX_COUNT);
         }
         mesh.faces.reserve(header.faces as usize);
-        let corner = |vertex: u32| self.number[vertex as usize];
-        let triangles =
-            self.conquest.origin.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(corner));
+        let corner = |edge: HalfEdge| self.number[edge.origin as usize];
+        let triangles = self.conquest.edges.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(corner));
         mesh.faces.extend(triangles.filter(|face| !face.contains(&NONE)));
         mesh.faces.resize(header.faces as usize, [0; 3]);
         let raw = header.conquered_faces() as usize;
@@ -143,30 +146,19 @@ impl IntraDecoder {
         header: &Header,
         mesh: &mut GridMesh,
     ) -> Result<(), Rule> {
-        let vertices = self.conquest.vertices();
-        self.positions.clear();
-        self.positions.resize(vertices, [0; 3]);
-        self.errors.clear();
-        self.errors.resize(vertices, 0);
-        self.traversal.restart(vertices);
+        self.points.clear();
+        self.points.resize(self.surface.vertices(), Point::default());
         let mut lattice = Lattice::default();
         if header.has_lattice {
             lattice.code(coder, header.vertices)?;
         }
         let mut models = GeometryModels::default();
-        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
-        let mut last = code_positions(
-            coder,
-            &mut models,
-            &surface,
-            &mut self.traversal,
-            &mut self.positions,
-            &mut self.errors,
-        )?;
+        let (traversal, points) = (&mut self.traversal, &mut self.points);
+        let mut last = code_positions(coder, &mut models, &self.surface, traversal, points)?;
         mesh.positions.resize(header.vertices as usize, [0; 3]);
-        for (&number, &position) in self.number.iter().zip(&self.positions) {
+        for (&number, point) in self.number.iter().zip(&self.points) {
             if number != NONE {
-                mesh.positions[number as usize] = position;
+                mesh.positions[number as usize] = point.position;
             }
         }
         let isolated = (header.vertices - header.isolated) as usize;
@@ -191,13 +183,12 @@ impl IntraDecoder {
         if !header.has_labels {
             return Ok(());
         }
-        let vertices = self.conquest.vertices();
         self.labels.clear();
-        self.labels.resize(vertices, 0);
+        self.labels.resize(self.surface.vertices(), 0);
         let mut models = LabelModels::default();
-        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
-        let traversal = &mut self.label_traversal;
-        let mut last = code_labels(coder, &mut models, &surface, traversal, &mut self.labels);
+        let (traversal, labels) = (&mut self.label_traversal, &mut self.labels);
+        let mut last =
+            code_labels(coder, &mut models, &self.surface, traversal, labels, &self.points);
         mesh.labels.resize(header.vertices as usize, 0);
         for (&number, &label) in self.number.iter().zip(&self.labels) {
             if number != NONE {

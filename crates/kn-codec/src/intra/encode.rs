@@ -7,7 +7,7 @@ use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
-use super::predict::Prediction;
+use super::predict::{Point, Prediction};
 use super::rule::Rule;
 use super::surface::Surface;
 use super::survey::Survey;
@@ -111,7 +111,8 @@ struct IntraEncoder<'a> {
     conquest: Conquest,
     /// `#M` input vertex of each vertex of the conquest; [`NONE`] for a dummy.
     source: Vec<u32>,
-    twin: Vec<u32>,
+    surface: Surface,
+    points: Vec<Point>,
     vertex_map: Vec<u32>,
     isolated: Vec<u32>,
 }
@@ -132,7 +133,8 @@ impl<'a> IntraEncoder<'a> {
             header,
             conquest: Conquest::default(),
             source: Vec::new(),
-            twin: Vec::new(),
+            surface: Surface::default(),
+            points: Vec::new(),
             vertex_map: vec![NONE; mesh.positions.len()],
             isolated: Vec::new(),
         }
@@ -192,9 +194,9 @@ impl<'a> IntraEncoder<'a> {
                 &mut first => joins.push((vertex, first)),
             }
         }
-        self.twin = (0..self.source.len() as u32).collect();
+        self.surface.restart(&self.conquest);
         let mut number = vec![NONE; self.source.len()];
-        code_joins(coder, &self.conquest, &mut joins, &mut self.twin, &mut number)?;
+        code_joins(coder, &self.conquest, &mut joins, &mut self.surface.twin, &mut number)?;
         let mut vertices = number_vertices(&self.conquest, &mut number);
         for (&number, &source) in number.iter().zip(&self.source) {
             if source != NONE {
@@ -226,20 +228,15 @@ impl<'a> IntraEncoder<'a> {
             let position = self.mesh.positions[vertex as usize];
             lattice.as_ref().map_or(position, |lattice| lattice.ranks(position))
         };
-        let position = |&source: &u32| if source == NONE { [0; 3] } else { coded(source) };
-        let mut positions: Vec<_> = self.source.iter().map(position).collect();
+        let point = |&source: &u32| match source {
+            NONE => Point::default(),
+            vertex => Point { position: coded(vertex), error: 0 },
+        };
+        self.points = self.source.iter().map(point).collect();
         let mut models = GeometryModels::default();
         let mut traversal = Traversal::default();
-        traversal.restart(positions.len());
-        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
-        let mut last = code_positions(
-            coder,
-            &mut models,
-            &surface,
-            &mut traversal,
-            &mut positions,
-            &mut vec![0; self.source.len()],
-        )?;
+        let mut last =
+            code_positions(coder, &mut models, &self.surface, &mut traversal, &mut self.points)?;
         for &vertex in &self.isolated {
             let own = coded(vertex);
             last = models.code_unsupported(coder, &Prediction::default(), last, own)?;
@@ -254,9 +251,15 @@ impl<'a> IntraEncoder<'a> {
         };
         let mut labels: Vec<_> = self.source.iter().map(label).collect();
         let mut models = LabelModels::default();
-        let surface = Surface { conquest: &self.conquest, twin: &self.twin };
         let mut traversal = LabelTraversal::default();
-        let mut last = code_labels(coder, &mut models, &surface, &mut traversal, &mut labels);
+        let mut last = code_labels(
+            coder,
+            &mut models,
+            &self.surface,
+            &mut traversal,
+            &mut labels,
+            &self.points,
+        );
         for &vertex in &self.isolated {
             last = models.code_isolated(coder, last, self.mesh.labels[vertex as usize]);
         }

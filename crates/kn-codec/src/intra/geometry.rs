@@ -1,7 +1,7 @@
 //! Coding of positions: every vertex where the surface around it lets one expect it, and by how
 //! much it is off (`spec/05-intra.md`). One function is encoder and decoder.
 
-use super::predict::{FRACTION, Prediction, predict};
+use super::predict::{FRACTION, Point, Prediction, predict};
 use super::residual::ErrorModels;
 use super::rule::{self, Rule};
 use super::spread::{Expected, MAGNITUDES, Spread};
@@ -14,7 +14,7 @@ use kn_mesh::Grid;
 pub(super) struct GeometryModels {
     spread: Spread,
     /// By place in the axes' order, and by expected magnitude.
-    errors: Box<[[ErrorModels; MAGNITUDES]; 3]>,
+    errors: [Vec<ErrorModels>; 3],
     /// Of vertices without a parallelogram.
     unsupported: ErrorModels,
 }
@@ -23,40 +23,36 @@ impl Default for GeometryModels {
     fn default() -> Self {
         Self {
             spread: Spread::default(),
-            errors: Box::new([[ErrorModels::default(); MAGNITUDES]; 3]),
+            errors: [(); 3].map(|()| vec![ErrorModels::default(); MAGNITUDES]),
             unsupported: ErrorModels::default(),
         }
     }
 }
 
-/// Codes `positions` (`#M × 3`) of all vertices of `surface` but dummies. An encoder brings them; a
-/// decoder brings anything and finds them there. `errors` (`#M`) is scratch. Returns the last position.
+/// Codes the `points` (`#M`) of all vertices of `surface` but dummies. An encoder brings their
+/// positions; a decoder brings anything and finds them there. Returns the last position.
 pub(super) fn code_positions<C: BinaryCoder>(
     coder: &mut C,
     models: &mut GeometryModels,
     surface: &Surface,
     traversal: &mut Traversal,
-    positions: &mut [[i32; 3]],
-    errors: &mut [i32],
+    points: &mut [Point],
 ) -> Result<[i32; 3], Rule> {
     let mut last = [0; 3];
-    while let Some(vertex) = traversal.next_vertex(surface) {
-        let mut sum = 0;
-        let visit = |neighbour: u32| sum += errors[neighbour as usize];
-        let prediction = predict(surface, &traversal.known, positions, vertex, visit);
-        let own = positions[vertex as usize];
+    traversal.restart(surface);
+    while let Some(vertex) = traversal.next_vertex() {
+        let prediction = predict(surface, &traversal.known, points, vertex);
+        let own = points[vertex as usize].position;
         let (position, error) = if prediction.support == 0 {
             (models.code_unsupported(coder, &prediction, last, own)?, 0)
         } else {
-            let valence = surface.conquest.valence[vertex as usize];
-            let expected = models.spread.expect(&prediction, valence, sum);
+            let expected = models.spread.expect(&prediction, surface.valence(vertex));
             models.code_supported(coder, &prediction, &expected, own)?
         };
         last = position;
         let mut twin = vertex;
         loop {
-            positions[twin as usize] = position;
-            errors[twin as usize] = error;
+            points[twin as usize] = Point { position, error };
             traversal.settle(surface, twin);
             twin = surface.twin[twin as usize];
             if twin == vertex {

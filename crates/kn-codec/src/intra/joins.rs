@@ -24,7 +24,8 @@ pub(super) fn code_joins<C: BinaryCoder>(
         let own_depth = join.0.wrapping_sub(join.1).wrapping_sub(1);
         let depth = code_gamma(coder, &mut depths, own_depth);
         let earlier = copy.checked_sub(depth).and_then(|e| e.checked_sub(1)).ok_or(rule::JOIN)?;
-        let is_dummy = |vertex: u32| conquest.dummy.get(vertex as usize) != Some(&false);
+        let is_dummy =
+            |vertex: u32| conquest.vertices.get(vertex as usize).is_none_or(|vertex| vertex.dummy);
         if is_dummy(copy) || is_dummy(earlier) {
             return Err(rule::JOIN);
         }
@@ -42,7 +43,7 @@ pub(super) fn code_joins<C: BinaryCoder>(
 pub(super) fn number_vertices(conquest: &Conquest, number: &mut [u32]) -> u32 {
     let mut count = 0;
     for vertex in 0..number.len() {
-        if conquest.dummy[vertex] {
+        if conquest.vertices[vertex].dummy {
             continue;
         }
         number[vertex] = match number[vertex] {

@@ -1,8 +1,9 @@
 //! Coding of vertex labels along the positions' traversal (`spec/05-intra.md`). One function is
 //! encoder and decoder.
 
-use super::conquest::{next, prev};
-use super::surface::Surface;
+use super::border::{LEANS, Neighbourhood, lean, near_ring};
+use super::predict::Point;
+use super::surface::{Spoke, Surface};
 use kn_bitstream::range::{BinaryCoder, BitModel};
 
 /// Adaptive models of labels.
@@ -10,8 +11,8 @@ use kn_bitstream::range::{BinaryCoder, BitModel};
 pub(super) struct LabelModels {
     /// Whether a label is that of all labelled neighbours, by their number.
     uniform: [BitModel; 5],
-    /// Whether a label is the commonest of several, by how much speaks for it.
-    mixed: [BitModel; 16],
+    /// Whether a label is the commonest of several, by where the border runs.
+    mixed: [BitModel; LEANS],
     is_second: BitModel,
     /// A binary tree over the eight bits of a label that is neither.
     tree: [BitModel; 256],
@@ -20,7 +21,7 @@ pub(super) struct LabelModels {
 impl Default for LabelModels {
     fn default() -> Self {
         let model = BitModel::default();
-        Self { uniform: [model; 5], mixed: [model; 16], is_second: model, tree: [model; 256] }
+        Self { uniform: [model; 5], mixed: [model; LEANS], is_second: model, tree: [model; 256] }
     }
 }
 
@@ -59,6 +60,9 @@ pub(super) struct LabelTraversal {
     mixed_taken: usize,
     uniform_taken: usize,
     seed_vertex: u32,
+    neighbourhood: Neighbourhood,
+    /// Known vertices along a border, 1 for its expected side and −1 for the other.
+    samples: Vec<(Point, f64)>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,6 +81,7 @@ impl LabelTraversal {
         self.state.resize(vertices, State::Unseen);
         self.mixed.clear();
         self.uniform.clear();
+        self.neighbourhood.restart(vertices);
         (self.mixed_taken, self.uniform_taken, self.seed_vertex) = (0, 0, 0);
     }
 
@@ -95,7 +100,7 @@ impl LabelTraversal {
         }
         while let Some(&state) = self.state.get(self.seed_vertex as usize) {
             let vertex = self.seed_vertex;
-            if state != State::Known && !surface.conquest.dummy[vertex as usize] {
+            if state != State::Known && !surface.is_dummy(vertex) {
                 return Some(vertex);
             }
             self.seed_vertex += 1;
@@ -106,9 +111,8 @@ impl LabelTraversal {
     /// Notes that `vertex` has `label`, and who its neighbours are.
     fn settle(&mut self, surface: &Surface, vertex: u32, label: u8) {
         self.state[vertex as usize] = State::Known;
-        for h in surface.fan(vertex) {
-            let neighbour = surface.conquest.origin[next(h) as usize];
-            if surface.conquest.dummy[neighbour as usize] {
+        for &Spoke { neighbour, .. } in surface.ring(vertex) {
+            if surface.is_dummy(neighbour) {
                 continue;
             }
             let state = &mut self.state[neighbour as usize];
@@ -132,8 +136,7 @@ impl LabelTraversal {
 
     fn vote(&self, surface: &Surface, labels: &[u8], vertex: u32) -> Vote {
         let mut vote = Vote::default();
-        for h in surface.fan(vertex) {
-            let neighbour = surface.conquest.origin[next(h) as usize];
+        for &Spoke { neighbour, .. } in surface.ring(vertex) {
             if self.is_known(neighbour) {
                 vote.add(labels[neighbour as usize]);
             }
@@ -141,45 +144,56 @@ impl LabelTraversal {
         vote
     }
 
-    /// How far the border as it runs through the known triangles speaks for the first candidate:
-    /// its indicator, 1 or −1, continued linearly over every edge that faces the vertex.
-    fn continued(&self, surface: &Surface, labels: &[u8], vertex: u32, vote: &Vote) -> i32 {
-        let indicator = |v: u32| match labels[v as usize] {
-            label if label == vote.first.0 => 1,
-            label if label == vote.second.0 => -1,
-            _ => 0,
-        };
-        let mut sum = 0;
-        for h in surface.fan(vertex) {
-            let a = surface.conquest.origin[next(h) as usize];
-            let b = surface.conquest.origin[prev(h) as usize];
-            let c = surface.across(next(h));
-            if self.is_known(a) && self.is_known(b) && self.is_known(c) {
-                sum += indicator(a) + indicator(b) - indicator(c);
+    /// The context of a vertex that a border passes: on which side of it the known vertices on both
+    /// sides near by put the vertex.
+    fn border(
+        &mut self,
+        surface: &Surface,
+        labels: &[u8],
+        points: &[Point],
+        vertex: u32,
+        vote: &Vote,
+    ) -> usize {
+        let Self { state, neighbourhood, samples, .. } = self;
+        let is_known = |v: u32| state[v as usize] == State::Known;
+        samples.clear();
+        for &near in neighbourhood.gather(surface, vertex) {
+            let label = labels[near as usize];
+            let differs = |spoke: &Spoke| {
+                is_known(spoke.neighbour) && labels[spoke.neighbour as usize] != label
+            };
+            if !is_known(near) || !near_ring(surface, near).iter().any(differs) {
+                continue;
+            }
+            if label == vote.first.0 {
+                samples.push((points[near as usize], 1.0));
+            } else if label == vote.second.0 {
+                samples.push((points[near as usize], -1.0));
             }
         }
-        sum
+        lean(&points[vertex as usize], samples)
     }
 }
 
 /// Codes `labels` (`#M`) of all vertices of `surface` but dummies, and returns the last. An encoder
-/// brings them; a decoder brings anything and finds them there.
+/// brings them; a decoder brings anything and finds them there. `points` (`#M`) are known.
 pub(super) fn code_labels<C: BinaryCoder>(
     coder: &mut C,
     models: &mut LabelModels,
     surface: &Surface,
     traversal: &mut LabelTraversal,
     labels: &mut [u8],
+    points: &[Point],
 ) -> u8 {
     let mut last = 0;
     traversal.restart(labels.len());
     while let Some(vertex) = traversal.next_vertex(surface) {
         let vote = traversal.vote(surface, labels, vertex);
-        let continued = match vote.second.1 {
-            0 => 0,
-            _ => traversal.continued(surface, labels, vertex, &vote),
+        let lean = match vote.second.1 {
+            0 => None,
+            _ => Some(traversal.border(surface, labels, points, vertex, &vote)),
         };
-        last = models.code(coder, vote, continued, last, labels[vertex as usize]);
+        last = models.code(coder, vote, lean, last, labels[vertex as usize]);
         let mut twin = vertex;
         loop {
             labels[twin as usize] = last;
@@ -196,22 +210,21 @@ pub(super) fn code_labels<C: BinaryCoder>(
 impl LabelModels {
     /// Codes the label of a vertex without faces, expected to be `last`.
     pub(super) fn code_isolated<C: BinaryCoder>(&mut self, coder: &mut C, last: u8, own: u8) -> u8 {
-        self.code(coder, Vote::default(), 0, last, own)
+        self.code(coder, Vote::default(), None, last, own)
     }
 
     fn code<C: BinaryCoder>(
         &mut self,
         coder: &mut C,
         vote: Vote,
-        continued: i32,
+        lean: Option<usize>,
         last: u8,
         own: u8,
     ) -> u8 {
         let first = if vote.voters == 0 { last } else { vote.first.0 };
-        let lead = vote.first.1 as i32 - vote.second.1 as i32 + continued;
-        let model = match vote.second.1 {
-            0 => &mut self.uniform[vote.first.1.min(4)],
-            _ => &mut self.mixed[(lead + 6).clamp(0, 15) as usize],
+        let model = match lean {
+            None => &mut self.uniform[vote.first.1.min(4)],
+            Some(lean) => &mut self.mixed[lean],
         };
         if coder.bit(model, own == first) {
             return first;

@@ -11,6 +11,7 @@
 //! [`BinaryCoder`](kn_bitstream::range::BinaryCoder): the symbols that an encoder brings and a
 //! decoder finds cannot get out of step.
 
+mod border;
 mod conquest;
 mod decode;
 #[cfg(feature = "encode")]

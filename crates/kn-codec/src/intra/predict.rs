@@ -1,7 +1,7 @@
 //! Where a vertex is expected, from the known vertices around it (`spec/05-intra.md`).
 
-use super::conquest::{next, prev};
 use super::surface::Surface;
+use super::traversal::Known;
 
 /// Fractional bits of predicted coordinates.
 pub(super) const FRACTION: u32 = 6;
@@ -44,65 +44,95 @@ pub(super) struct Prediction {
     pub(super) support: usize,
     /// Number of known neighbours.
     pub(super) neighbours: usize,
+    /// Sum of the errors stored with them.
+    pub(super) errors: i32,
+}
+
+/// A vertex's position and, in eighths of an octave, its error along the surface's normal.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Point {
+    pub(super) position: [i32; 3],
+    pub(super) error: i32,
 }
 
 /// Sums over what is known around a vertex, all relative to `base`.
 #[derive(Default)]
 struct Around {
-    parallelogram: [i64; 3],
-    onward: [i64; 3],
+    /// Over the gates of the predicting triangles: both ends; the tip behind; and the way from one
+    /// end to the other, as often as its valence is the smaller.
+    ends: [i64; 3],
+    behind: [i64; 3],
     along: [i64; 3],
+    /// Over the neighbours.
     centroid: [i64; 3],
 }
 
-/// Predicts `vertex` from `positions` (`#M × 3`) of the vertices that are `known`. `visit` is
-/// called for every known neighbour.
+/// The places of the ones in a number, ascending.
+struct Ones(u64);
+
+impl Iterator for Ones {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        let place = self.0.trailing_zeros() as usize;
+        (self.0 != 0).then(|| {
+            self.0 &= self.0 - 1;
+            place
+        })
+    }
+}
+
+/// Predicts `vertex` from the `points` (`#M`) of the vertices that are `known`.
 #[inline]
 pub(super) fn predict(
     surface: &Surface,
-    known: &[bool],
-    positions: &[[i32; 3]],
+    known: &Known,
+    points: &[Point],
     vertex: u32,
-    mut visit: impl FnMut(u32),
 ) -> Prediction {
-    let origin = &surface.conquest.origin;
-    let mut found = Prediction::default();
-    let mut around = Around::default();
-    for h in surface.fan(vertex).take(MOST) {
-        let a = origin[next(h) as usize];
-        if !known[a as usize] {
-            continue;
-        }
-        if found.neighbours == 0 {
-            found.base = positions[a as usize];
-        }
-        visit(a);
-        found.neighbours += 1;
-        let at_a = difference(positions[a as usize], found.base);
-        add(&mut around.centroid, at_a);
-        let b = origin[prev(h) as usize];
-        let c = surface.across(next(h));
-        if !known[b as usize] || !known[c as usize] {
-            continue;
-        }
-        found.support += 1;
-        let at_b = difference(positions[b as usize], found.base);
-        let at_c = difference(positions[c as usize], found.base);
-        let skew = surface.conquest.valence[a as usize].min(64) as i64
-            - surface.conquest.valence[b as usize].min(64) as i64;
-        around.add_gate(&mut found, [at_a, at_b, at_c], skew);
+    let ring = surface.ring(vertex);
+    // Which spokes are known, and one more of a longer ring: it ends the last triangle.
+    let mut mask = 0u64;
+    for (place, spoke) in ring.iter().take(MOST + 1).enumerate() {
+        mask |= u64::from(known.contains(spoke.neighbour)) << place;
     }
-    found.offset = around.blend(&found, surface.conquest.valence[vertex as usize]);
+    let neighbours = mask & ((1 << MOST) - 1);
+    let first_again = if ring.len() <= MOST { (mask & 1) << ring.len() } else { 0 };
+    let followed = neighbours & ((mask | first_again) >> 1);
+    let mut found = Prediction { neighbours: neighbours.count_ones() as usize, ..<_>::default() };
+    if neighbours == 0 {
+        return found;
+    }
+    found.base = points[ring[neighbours.trailing_zeros() as usize].neighbour as usize].position;
+    let mut around = Around::default();
+    for place in Ones(neighbours) {
+        let point = &points[ring[place].neighbour as usize];
+        found.errors += point.error;
+        add(&mut around.centroid, difference(point.position, found.base));
+    }
+    for place in Ones(followed) {
+        let (a, c) = (ring[place].neighbour, ring[place].across);
+        if known.contains(c) {
+            let b = ring.get(place + 1).unwrap_or(&ring[0]).neighbour;
+            let [at_a, at_b, at_c] =
+                [a, b, c].map(|v| difference(points[v as usize].position, found.base));
+            let skew = i64::from(surface.valence(a)) - i64::from(surface.valence(b));
+            around.add_gate(&mut found, [at_a, at_b, at_c], skew);
+        }
+    }
+    found.offset = around.blend(&found, surface.valence(vertex));
     found
 }
 
 impl Around {
     #[inline]
     fn add_gate(&mut self, found: &mut Prediction, [a, b, c]: [[i64; 3]; 3], skew: i64) {
+        found.support += 1;
         let mut length = 0;
         for k in 0..3 {
-            self.parallelogram[k] += a[k] + b[k] - c[k];
-            self.onward[k] += a[k] + b[k] - 2 * c[k];
+            self.ends[k] += a[k] + b[k];
+            self.behind[k] += c[k];
             self.along[k] += (b[k] - a[k]) * skew;
             length += (b[k] - a[k]).unsigned_abs();
         }
@@ -116,7 +146,7 @@ impl Around {
 
     /// Weighs the sums, in 1/64 of a step.
     #[inline]
-    fn blend(&self, found: &Prediction, valence: u32) -> [i64; 3] {
+    fn blend(&self, found: &Prediction, valence: u8) -> [i64; 3] {
         let per_neighbour = RECIPROCAL[found.neighbours];
         if found.support == 0 {
             return self.centroid.map(|sum| (sum * per_neighbour) >> (16 - FRACTION));
@@ -125,8 +155,9 @@ impl Around {
         let [onward, centroid, along] =
             WEIGHTS[found.support.min(4) - 1][valence.clamp(4, 8) as usize - 4];
         std::array::from_fn(|k| {
-            let gates = (64 - centroid) * self.parallelogram[k]
-                + ((onward * self.onward[k]) >> 1)
+            let parallelogram = self.ends[k] - self.behind[k];
+            let gates = (64 - centroid) * parallelogram
+                + ((onward * (parallelogram - self.behind[k])) >> 1)
                 + along * self.along[k];
             (gates * per_gate + centroid * self.centroid[k] * per_neighbour) >> 16
         })

@@ -55,15 +55,14 @@ pub(super) struct Expected {
 }
 
 impl Spread {
-    /// What to expect of a vertex with `prediction` and `valence`; `errors` is the sum of what
-    /// [`Spread::observe`] returned for the prediction's neighbours.
+    /// What to expect of a vertex with `prediction` and `valence`.
     #[inline]
-    pub(super) fn expect(&self, prediction: &Prediction, valence: u32, errors: i32) -> Expected {
+    pub(super) fn expect(&self, prediction: &Prediction, valence: u8) -> Expected {
         let class = (prediction.support.clamp(1, 4) - 1, valence.clamp(4, 8) as usize - 4);
         let gate = log8((prediction.gates << 6) / prediction.support.max(1) as u64);
         let tangential = gate + (self.tangential[class.0][class.1] >> MEAN_BITS);
         let own = gate + (self.normal[class.0][class.1] >> MEAN_BITS);
-        let normal = (own + errors / prediction.neighbours.max(1) as i32) >> 1;
+        let normal = (own + prediction.errors / prediction.neighbours.max(1) as i32) >> 1;
         let flat = ((tangential - normal - EVEN) >> 2).clamp(0, MOST_FLAT);
         let direction = shortened(prediction.normal);
         let square = direction.iter().map(|n| n * n).sum::<i64>().max(1);
@@ -161,7 +160,7 @@ mod tests {
             neighbours: 1,
             ..Prediction::default()
         };
-        let expected = Spread::default().expect(&prediction, 6, 0);
+        let expected = Spread::default().expect(&prediction, 6);
         assert_eq!(expected.axes, [0, 1, 2]);
         let [x, y, z] = [0, 1, 2].map(|place| expected.conditional(place, [640, -640, 0]));
         assert_eq!((x, y, z.0), ((0, x.1), (0, x.1), 0));
@@ -175,9 +174,9 @@ mod tests {
             Prediction { normal, gates: 4096, support: 1, neighbours: 1, ..Prediction::default() };
         let mut spread = Spread::default();
         (0..500).for_each(|_| {
-            spread.observe(&spread.clone().expect(&prediction, 6, 0), [900, 900, 900]);
+            spread.observe(&spread.clone().expect(&prediction, 6), [900, 900, 900]);
         });
-        let expected = spread.expect(&prediction, 6, 0);
+        let expected = spread.expect(&prediction, 6);
         assert_eq!(expected.axes, [1, 2, 0], "of equals the lowest axis is last");
         let (mean, _) = expected.conditional(2, [0, 0, 640]);
         assert!((600..=640).contains(&mean), "{mean}");

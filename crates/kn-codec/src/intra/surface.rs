@@ -1,47 +1,90 @@
-//! What geometry and labels walk over: the conquered connectivity with cut vertices tied together.
+//! What geometry and labels walk over: the ring of neighbours around every vertex, laid out once
+//! the connectivity is known, with cut vertices tied together.
 
-use super::conquest::{Conquest, NONE, prev};
+use super::conquest::{Conquest, next, prev};
 
-/// Connectivity as the vertex passes see it, borrowed from the conquest.
-pub(super) struct Surface<'a> {
-    pub(super) conquest: &'a Conquest,
+/// Valences are told apart up to this.
+const MOST_VALENCE: u32 = 64;
+
+/// A neighbour on a vertex's ring, and what lies behind the triangle between it and the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Spoke {
+    pub(super) neighbour: u32,
+    /// The tip of the triangle across the edge from this neighbour to the next.
+    pub(super) across: u32,
+}
+
+/// Connectivity as the vertex passes see it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surface {
+    /// `#M + 1` where each vertex's ring starts in `spokes`.
+    start: Vec<u32>,
+    /// The rings, one behind the other. Dummies have none.
+    spokes: Vec<Spoke>,
+    /// `#M` valence, 64 where it is larger; 0 for a dummy.
+    valence: Vec<u8>,
     /// `#M` the next vertex that is the same point; itself where none is.
-    pub(super) twin: &'a [u32],
+    pub(super) twin: Vec<u32>,
 }
 
-impl Surface<'_> {
-    /// Half-edges that start from `vertex`, once around it.
-    #[inline]
-    pub(super) fn fan(&self, vertex: u32) -> Fan<'_> {
-        let first = self.conquest.corner[vertex as usize];
-        Fan { mate: &self.conquest.mate, first, at: first }
-    }
-
-    /// The tip of the triangle across half-edge `h`.
-    #[inline]
-    pub(super) fn across(&self, h: u32) -> u32 {
-        self.conquest.origin[prev(self.conquest.mate[h as usize]) as usize]
-    }
-}
-
-/// Iterates over the half-edges around a vertex of a closed surface.
-pub(super) struct Fan<'a> {
-    mate: &'a [u32],
-    first: u32,
-    at: u32,
-}
-
-impl Iterator for Fan<'_> {
-    type Item = u32;
-
-    #[inline]
-    fn next(&mut self) -> Option<u32> {
-        if self.at == NONE {
-            return None;
+impl Surface {
+    /// Starts over with the vertices of `conquest`, none of them tied to another.
+    pub(super) fn restart(&mut self, conquest: &Conquest) {
+        self.start.clear();
+        self.spokes.clear();
+        self.valence.clear();
+        self.twin.clear();
+        self.start.reserve(conquest.vertices.len() + 1);
+        self.spokes.reserve(conquest.edges.len());
+        self.twin.extend(0..conquest.vertices.len() as u32);
+        self.start.push(0);
+        for vertex in &conquest.vertices {
+            if !vertex.dummy {
+                self.lay_ring(conquest, vertex.corner);
+            }
+            self.start.push(self.spokes.len() as u32);
+            let valence = if vertex.dummy { 0 } else { vertex.valence.min(MOST_VALENCE) };
+            self.valence.push(valence as u8);
         }
-        let h = self.at;
-        let turned = self.mate[prev(h) as usize];
-        self.at = if turned == self.first { NONE } else { turned };
-        Some(h)
+    }
+
+    /// Half-edges that start from a vertex of a closed surface, from `first` once around.
+    fn lay_ring(&mut self, conquest: &Conquest, first: u32) {
+        let edges = &conquest.edges;
+        let mut h = first;
+        loop {
+            let far = edges[next(h) as usize];
+            let across = edges[prev(far.mate) as usize].origin;
+            self.spokes.push(Spoke { neighbour: far.origin, across });
+            h = edges[prev(h) as usize].mate;
+            if h == first {
+                break;
+            }
+        }
+    }
+
+    /// Number of vertices, dummies and copies included.
+    #[inline]
+    pub(super) fn vertices(&self) -> usize {
+        self.valence.len()
+    }
+
+    /// The neighbours of a vertex, once around it.
+    #[inline]
+    pub(super) fn ring(&self, vertex: u32) -> &[Spoke] {
+        let at = vertex as usize;
+        &self.spokes[self.start[at] as usize..self.start[at + 1] as usize]
+    }
+
+    /// Number of triangles around a vertex, at most 64.
+    #[inline]
+    pub(super) fn valence(&self, vertex: u32) -> u8 {
+        self.valence[vertex as usize]
+    }
+
+    /// Whether the vertex stands for a hole.
+    #[inline]
+    pub(super) fn is_dummy(&self, vertex: u32) -> bool {
+        self.valence[vertex as usize] == 0
     }
 }

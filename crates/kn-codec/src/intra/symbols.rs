@@ -103,14 +103,15 @@ impl SymbolModels {
             Symbol::New { dummy, valence } => (dummy, valence),
             _ => (false, 0),
         };
-        let (a, b) = (conquest.start(gate) as usize, conquest.end(gate) as usize);
+        let [a, b] = [conquest.start(gate), conquest.end(gate)]
+            .map(|vertex| conquest.vertices[vertex as usize]);
         // Holes do not touch: two dummies are never neighbours.
-        let may_be_dummy = !conquest.dummy[a] && !conquest.dummy[b];
+        let may_be_dummy = !a.dummy && !b.dummy;
         if may_be_dummy && coder.bit(&mut self.is_dummy, dummy) {
             let valence = code_gamma(coder, &mut self.dummy_valence, valence);
             return Symbol::New { dummy: true, valence };
         }
-        let sum = conquest.valence[a].saturating_add(conquest.valence[b]);
+        let sum = a.valence.saturating_add(b.valence);
         let context = sum.clamp(8, 16) as usize - 8;
         Symbol::New { dummy: false, valence: self.valence[context].code(coder, valence) }
     }

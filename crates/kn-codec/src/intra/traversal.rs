@@ -1,19 +1,33 @@
 //! The order in which vertices are coded: those that most triangles predict come first
 //! (`spec/05-intra.md`).
 
-use super::conquest::{next, prev};
 use super::surface::Surface;
 
 /// Numbers of predicting triangles that are told apart.
 const RANKS: usize = 4;
+/// The highest support; in place of support: the position is known; there is none.
+const SUPPORTED: u8 = RANKS as u8 - 1;
+const KNOWN: u8 = RANKS as u8;
+const DUMMY: u8 = KNOWN + 1;
+
+/// `#M` parallelograms that predict each vertex, [`KNOWN`] or [`DUMMY`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    state: Vec<u8>,
+}
+
+impl Known {
+    /// Whether the vertex's position is known.
+    #[inline]
+    pub(super) fn contains(&self, vertex: u32) -> bool {
+        self.state[vertex as usize] == KNOWN
+    }
+}
 
 /// Progress through the vertices of a surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traversal {
-    /// `#M` whether a vertex's position is known.
-    pub(super) known: Vec<bool>,
-    /// `#M` parallelograms that predict each vertex.
-    support: Vec<u8>,
+    pub(super) known: Known,
     /// Vertices by support, first come first served; entries may be out of date.
     queues: [Queue; RANKS],
     /// Where to look for the next component's seed.
@@ -27,12 +41,11 @@ struct Queue {
 }
 
 impl Traversal {
-    /// Starts over with `vertices` unknown vertices.
-    pub(super) fn restart(&mut self, vertices: usize) {
-        self.known.clear();
-        self.known.resize(vertices, false);
-        self.support.clear();
-        self.support.resize(vertices, 0);
+    /// Starts over with the vertices of `surface` unknown.
+    pub(super) fn restart(&mut self, surface: &Surface) {
+        let state = |vertex| if surface.is_dummy(vertex) { DUMMY } else { 0 };
+        self.known.state.clear();
+        self.known.state.extend((0..surface.vertices() as u32).map(state));
         for queue in &mut self.queues {
             queue.entries.clear();
             queue.taken = 0;
@@ -43,54 +56,51 @@ impl Traversal {
     /// The next vertex to code: of those with the highest support, the first that reached it;
     /// without any, the lowest that is unknown. `None` when all but dummies are known.
     #[inline]
-    pub(super) fn next_vertex(&mut self, surface: &Surface) -> Option<u32> {
-        for rank in (0..RANKS).rev() {
+    pub(super) fn next_vertex(&mut self) -> Option<u32> {
+        for rank in (1..RANKS).rev() {
             let queue = &mut self.queues[rank];
             while let Some(&vertex) = queue.entries.get(queue.taken) {
                 queue.taken += 1;
-                let current = usize::from(self.support[vertex as usize]).min(RANKS - 1);
-                if !self.known[vertex as usize] && current == rank {
+                if usize::from(self.known.state[vertex as usize]) == rank {
                     return Some(vertex);
                 }
             }
         }
-        self.next_seed(surface)
+        self.next_seed()
     }
 
-    fn next_seed(&mut self, surface: &Surface) -> Option<u32> {
-        while let Some(&known) = self.known.get(self.seed_vertex as usize) {
-            let vertex = self.seed_vertex;
-            if !known && !surface.conquest.dummy[vertex as usize] {
-                return Some(vertex);
-            }
-            self.seed_vertex += 1;
-        }
-        None
+    fn next_seed(&mut self) -> Option<u32> {
+        let seed = self.seed_vertex as usize;
+        let from_seed = self.known.state.get(seed..)?;
+        self.seed_vertex += from_seed.iter().position(|&state| state < KNOWN)? as u32;
+        Some(self.seed_vertex)
     }
 
     /// Notes that `vertex` is known, and which vertices its completed triangles now predict.
     #[inline]
     pub(super) fn settle(&mut self, surface: &Surface, vertex: u32) {
-        self.known[vertex as usize] = true;
-        let origin = &surface.conquest.origin;
-        for h in surface.fan(vertex) {
-            let (a, b) = (origin[next(h) as usize], origin[prev(h) as usize]);
-            if self.known[a as usize] && self.known[b as usize] {
-                for side in [h, next(h), prev(h)] {
-                    self.support_tip(surface, side);
+        self.known.state[vertex as usize] = KNOWN;
+        let ring = surface.ring(vertex);
+        let Some(mut before) = ring.last() else { return };
+        let turn = |place| ring.get(place).unwrap_or_else(|| &ring[place - ring.len()]);
+        for (place, spoke) in ring.iter().enumerate() {
+            let next = turn(place + 1);
+            if self.known.contains(spoke.neighbour) && self.known.contains(next.neighbour) {
+                for tip in [before.neighbour, spoke.across, turn(place + 2).neighbour] {
+                    self.support(tip);
                 }
             }
+            before = spoke;
         }
     }
 
+    /// One triangle more predicts `tip`. What has all the support that counts waits already.
     #[inline]
-    fn support_tip(&mut self, surface: &Surface, side: u32) {
-        let tip = surface.across(side);
-        if self.known[tip as usize] || surface.conquest.dummy[tip as usize] {
-            return;
+    fn support(&mut self, tip: u32) {
+        let support = &mut self.known.state[tip as usize];
+        if *support < SUPPORTED {
+            *support += 1;
+            self.queues[usize::from(*support)].entries.push(tip);
         }
-        let support = &mut self.support[tip as usize];
-        *support = support.saturating_add(1);
-        self.queues[usize::from(*support).min(RANKS - 1)].entries.push(tip);
     }
 }

@@ -2,13 +2,16 @@
 
 use std::error::Error;
 
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern};
-use kn_conform::{Spec, count_affine_by_label};
+use kn_codec::{
+    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
+    TranslationChoice,
+};
+use kn_conform::{Spec, node_labels};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 
 use crate::Draft;
-use crate::meshes::{ellipsoid, label, moved, opened, torus, twins};
+use crate::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
 
 pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     let plain = ellipsoid(9, 12);
@@ -28,6 +31,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     let config = || EncoderConfig {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
+        translation: TranslationChoice::Direct,
         ..EncoderConfig::default()
     };
     let still = |mesh: &Mesh| vec![mesh.clone()];
@@ -62,6 +66,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "intra.labels.order",
             "intra.labels.vote",
             "intra.labels.code",
+            "intra.labels.border",
         ];
         add(name, danger, covers, &short(&body), config)?;
     }
@@ -126,8 +131,28 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         EncoderConfig { nodes_per_vertex: 1, ..config() },
     )?;
     add(
+        "smoothed_weakly",
+        "A sum of neighbours starts at 0 and adds them by rising index, not as faces name them.",
+        &[
+            "intra.smoothing.meaning",
+            "smooth.strength",
+            "smooth.neighbours",
+            "smooth.operator",
+            "smooth.pass",
+        ],
+        &short(&plain),
+        EncoderConfig { smoothing: SmoothingChoice::Strength(1), ..config() },
+    )?;
+    add(
+        "smoothed_strongly",
+        "No coordinate moves by more than half a grid step; borders stay.",
+        &["smooth.strength", "smooth.neighbours", "smooth.clamp"],
+        &short(&body),
+        EncoderConfig { smoothing: SmoothingChoice::Strength(5), ..config() },
+    )?;
+    add(
         "no_fraction",
-        "With fraction_bits 0 the reference is the frame that is shown.",
+        "With fraction_bits 0 positions are whole grid steps, and smoothing changes nothing.",
         &[
             "header.fraction.meaning",
             "deform.round",
@@ -136,7 +161,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "conventions.conversion",
         ],
         &short(&plain),
-        EncoderConfig { fraction_bits: 0, ..config() },
+        EncoderConfig { fraction_bits: 0, smoothing: SmoothingChoice::Strength(2), ..config() },
     )?;
     add(
         "names",
@@ -176,8 +201,125 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         &short(&twins(&body)),
         config(),
     )?;
+    for stream in predicted(&body) {
+        let config = EncoderConfig { nodes: 30, translation: stream.choice, ..config() };
+        let config = EncoderConfig { up_axis: stream.up_axis, group_length: 5, ..config };
+        add(stream.name, stream.danger, stream.covers, &stream.frames, config)?;
+    }
     Ok(drafts)
 }
+
+/// A stream with predicted translations.
+struct Predicted {
+    name: &'static str,
+    danger: &'static str,
+    covers: &'static [&'static str],
+    frames: Vec<Mesh>,
+    choice: TranslationChoice,
+    up_axis: u8,
+}
+
+fn predicted(body: &Mesh) -> Vec<Predicted> {
+    let frames = |mesh: &Mesh, count| (0..count).map(|i| moved(mesh, f64::from(i))).collect();
+    let upright: Vec<Mesh> = frames(body, 2);
+    let headless =
+        Mesh { labels: body.labels.iter().map(|&l| headless(l)).collect(), ..body.clone() };
+    let plain = Mesh { labels: Vec::new(), ..twins(body) };
+    let stream = |name, danger, covers, frames| Predicted {
+        name,
+        danger,
+        covers,
+        frames,
+        choice: TranslationChoice::Paper,
+        up_axis: 1,
+    };
+    vec![
+        stream(
+            "translation_spatial",
+            "The path from head over torso to the thighs: every node is predicted from the one before.",
+            PATH,
+            upright.clone(),
+        ),
+        Predicted {
+            up_axis: 2,
+            frames: upright.iter().map(|mesh| turned(mesh, 1)).collect(),
+            ..stream(
+                "translation_up_z",
+                "The path goes down the up axis of the header, clockwise seen from there.",
+                &["path.plane", "path.angle", "path.ring"],
+                Vec::new(),
+            )
+        },
+        Predicted {
+            up_axis: 0,
+            frames: upright.iter().map(|mesh| turned(mesh, 2)).collect(),
+            ..stream(
+                "translation_up_x",
+                "The path goes down the up axis of the header, clockwise seen from there.",
+                &["path.plane", "path.angle", "path.ring"],
+                Vec::new(),
+            )
+        },
+        stream(
+            "translation_no_head",
+            "An arm without a head and thighs without a torso begin at the nodes visited so far.",
+            &["path.references", "path.order", "path.part"],
+            frames(&headless, 2),
+        ),
+        stream(
+            "translation_unlabelled",
+            "Without labels the largest component is first.",
+            &["path.components", "path.order", "path.start.highest"],
+            frames(&plain, 2),
+        ),
+        stream(
+            "translation_spatio_temporal",
+            "Every part changes by its own vector, in the dictionary of the frame before.",
+            &[
+                "motion.prediction.temporal",
+                "motion.translation.mode",
+                "motion.translation.previous",
+                "motion.parts",
+            ],
+            frames(body, 5),
+        ),
+        Predicted {
+            choice: TranslationChoice::Cost,
+            ..stream(
+                "translation_by_cost",
+                "The mode changes from frame to frame, and a new group knows no frame before.",
+                &["motion.prediction.direct", "motion.translation.mode"],
+                frames(body, 9),
+            )
+        },
+    ]
+}
+
+/// The head becomes an arm, the torso something held.
+fn headless(label: u8) -> u8 {
+    match label {
+        0 => 4,
+        7 => 14,
+        label => label,
+    }
+}
+
+/// Section 7.5 and what uses it.
+const PATH: &[&str] = &[
+    "motion.prediction.spatial",
+    "path.plane",
+    "path.mean",
+    "path.graph",
+    "path.components",
+    "path.part",
+    "path.order",
+    "path.references",
+    "path.start.highest",
+    "path.start.nearest",
+    "path.layers",
+    "path.angle",
+    "path.ring",
+];
 
 /// What every mesh needs of chapters 1, 4 and 5.
 const INTRA: &[&str] = &[
@@ -245,5 +387,5 @@ fn encoded(spec: &Spec, meshes: &[Mesh], config: EncoderConfig) -> Result<String
         encoder.push(mesh)?;
     }
     let stream = encoder.finish()?.writer;
-    Ok(spec.disassemble(&stream, &count_affine_by_label)?)
+    Ok(spec.disassemble(&stream, &node_labels)?)
 }

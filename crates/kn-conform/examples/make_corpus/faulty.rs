@@ -100,6 +100,9 @@ const HEADER: &[Fault] = &[
     ("fraction_bits", "header.fraction.range", "Coordinates of 29 bits and more.", |t| {
         t.set("fraction_bits", 0, "9")
     }),
+    ("smoothing", "intra.smoothing.range", "A strength that no table has.", |t| {
+        t.set("smoothing_strength", 0, "6")
+    }),
     ("group_length", "header.group.range", "Groups without frames.", |t| {
         t.set("max_group_length", 0, "0")
     }),
@@ -201,6 +204,23 @@ const MOTION: &[Fault] = &[
     }),
     ("table_48", "motion.table.range", "Beyond the last table.", |t| {
         t.set("parameter_table", 0, "10 as 0b110000")
+    }),
+    ("translation_mode_first", "motion.translation.first", "There is no frame before.", |t| {
+        t.set("translation_mode", 0, "2").before("translation", 0, &["translation_change = 0*6"])
+    }),
+    ("translation_path_sum", "motion.translation.range", "Sums along the path grow.", |t| {
+        t.set("translation_mode", 0, "1").set("translation_step", 0, "63").set(
+            "translation",
+            0,
+            "4000 0 0 4000 0 0",
+        )
+    }),
+    ("translation_change_sum", "motion.translation.range", "A change of 2^28 units.", |t| {
+        t.repeat_unit(3).set("translation_step", 0, "32").set("translation_mode", 1, "2").before(
+            "translation",
+            1,
+            &["translation_change = 1048575 0*5"],
+        )
     }),
     ("translation_huge", "motion.translation.range", "A product that leaves 29 bits.", |t| {
         t.set("translation_step", 0, "63").set("translation", 0, "4682 0*5")

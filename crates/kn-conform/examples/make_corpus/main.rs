@@ -15,7 +15,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use kn_conform::{Description, Outcome, Spec, count_affine_by_label, run_ours};
+use kn_conform::{Description, Outcome, Spec, node_labels, run_ours};
 
 /// A stream to be: its text and what it is about.
 #[derive(Clone)]
@@ -65,7 +65,7 @@ fn make() -> Result<(), Box<dyn Error>> {
 
 /// Writes a stream's three files, if our decoder finds of it what the draft says.
 fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>> {
-    let stream = spec.assemble(&draft.text, &count_affine_by_label)?;
+    let stream = spec.assemble(&draft.text, &node_labels)?;
     let path = folder.join(&draft.name).with_extension("knm");
     std::fs::write(&path, &stream)?;
     std::fs::write(path.with_extension("txt"), &draft.text)?;

@@ -94,3 +94,10 @@ pub(crate) fn twins(mesh: &Mesh) -> Mesh {
     both.labels.extend_from_slice(&mesh.labels);
     both
 }
+
+/// The mesh with another axis for each: y becomes z after one turn, x after two.
+pub(crate) fn turned(mesh: &Mesh, turns: usize) -> Mesh {
+    let mut turned = mesh.clone();
+    turned.positions.iter_mut().for_each(|position| position.rotate_right(turns));
+    turned
+}

@@ -137,15 +137,18 @@ pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>, Box<dyn Error>> {
 /// The lines of an I-frame unit without digests.
 pub(crate) fn intra_unit(payload: &[u8]) -> String {
     let digits: String = payload.iter().map(|byte| format!("{byte:02x}")).collect();
-    format!("\nunit_type = 2\ndigest_present = 0\nname_present = 0\nintra_payload = x{digits}\n")
+    format!(
+        "\nunit_type = 2\ndigest_present = 0\nname_present = 0\nsmoothing_strength = 0\nintra_payload = x{digits}\n"
+    )
 }
 
-/// The digest of a mesh's positions as they are decoded, in decoded order.
+/// The digest of a mesh's positions as they are decoded, in decoded order, with 8 fraction bits.
 pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64, Box<dyn Error>> {
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();
     decode_intra(&payload_of(mesh)?, &limits, &mut IntraDecoder::default(), &mut decoded)?;
-    Ok(positions_digest(&decoded.positions))
+    let in_units: Vec<_> = decoded.positions.iter().map(|p| p.map(|c| c << 8)).collect();
+    Ok(positions_digest(&in_units))
 }
 
 /// The lines of a sequence header unit: level 0, a metre grid, Q = 4, body labels, fallback.

@@ -5,7 +5,9 @@ use std::error::Error;
 use crate::Draft;
 use kn_mesh::GridMesh;
 
-use crate::texts::{HEADER, INDEX, MOTION, Text, by_hand, intra_unit, knotted, payload_of, strip};
+use crate::texts::{
+    HEADER, INDEX, MOTION, NODES, Text, by_hand, intra_unit, knotted, payload_of, strip,
+};
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let base = by_hand()?;
@@ -150,6 +152,39 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             .set("grid_step", 0, "5e-324"),
     );
     add(
+        "translation_dictionaries",
+        "A change is coded with step and table of the frame before, not of its own or of the first.",
+        &["motion.translation.previous", "motion.prediction.temporal", "motion.parts"],
+        base.clone()
+            .repeat_unit(3)
+            .repeat_unit(4)
+            .set("translation_mode", 1, "2")
+            .set("translation_step", 1, "13")
+            .set("translation_table", 1, "2")
+            .before("translation", 1, &["translation_change = 2 -1 0 0 900 1"])
+            .set("translation_mode", 2, "2")
+            .set("translation_step", 2, "5")
+            .before("translation", 2, &["translation_change = 1 0 -3 16 0 0"]),
+    );
+    add(
+        "translation_back_to_spatial",
+        "After a spatio-temporal frame a spatial one is predicted from nothing before it.",
+        &["motion.prediction.spatial", "motion.prediction.direct"],
+        base.clone()
+            .repeat_unit(3)
+            .repeat_unit(4)
+            .set("translation_mode", 0, "1")
+            .set("translation_mode", 1, "2")
+            .before("translation", 1, &["translation_change = 0 1 0 2 0 0"])
+            .set("translation_mode", 2, "1"),
+    );
+    add(
+        "translation_ring",
+        "A node on the centre of its layer, two in one direction, four on the axes' quarters.",
+        &["path.angle", "path.ring", "path.layers"],
+        ring_of_nodes()?,
+    );
+    add(
         "grid_extremes",
         "World coordinates may be anything finite: frames are integers.",
         &["header.grid.meaning"],
@@ -198,4 +233,39 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             .set("label_set", 0, "0"),
     );
     Ok(drafts)
+}
+
+/// Nine nodes without labels, each a neighbour of the topmost: a layer about (56, 0).
+fn ring_of_nodes() -> Result<Text, Box<dyn Error>> {
+    // (x, z) from the centre; the top is the last, so that its index decides nothing.
+    let layer = [[-48, 0], [32, 0], [16, 0], [0, 0], [-16, -16], [16, -16], [16, 16], [-16, 16]];
+    let mut points: Vec<[i32; 3]> = layer.iter().map(|[x, z]| [56 + x, 8, *z]).collect();
+    points.push([48, 15, 2]);
+    let mut last = [0; 3];
+    let mut deltas = String::new();
+    for point in points {
+        for axis in 0..3 {
+            deltas.push_str(&format!("{} ", point[axis] - last[axis]));
+        }
+        last = point;
+    }
+    let intra = intra_unit(&payload_of(&strip(8, None))?);
+    let values: String = (0..27).map(|value| format!("{} ", value * value % 7 - 3)).collect();
+    Ok(Text::new(&format!("{HEADER}{intra}{NODES}{MOTION}{INDEX}"))
+        .set("label_set", 0, "0")
+        .set("nodes_per_vertex", 0, "8")
+        .set("node_count", 0, "9")
+        .set("node_coding", 0, "1")
+        .set("affine_mode", 0, "0")
+        .without("affine_label", 0)
+        .set("node_vertex_rice", 0, "5")
+        .set("node_vertex_gap", 0, &deltas)
+        .map_names(&[("node_vertex_rice", "node_delta_rice"), ("node_vertex_gap", "node_delta")])
+        .set("translation_mode", 0, "1")
+        .set("rotation_enabled", 0, "0")
+        .set("scale_enabled", 0, "0")
+        .without("scale_step", 0)
+        .without("scale", 0)
+        .set("translation", 0, &values)
+        .set("rotation", 0, "0*27"))
 }

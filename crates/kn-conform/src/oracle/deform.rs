@@ -15,6 +15,7 @@ pub(crate) struct Node {
     /// In reference units; moves with every frame.
     pub(crate) position: [i64; 3],
     pub(crate) region: i64,
+    pub(crate) label: u8,
     pub(crate) affine: bool,
 }
 

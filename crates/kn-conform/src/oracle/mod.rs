@@ -4,17 +4,21 @@
 //! mesh of an I-frame is kn-codec's.
 
 mod deform;
+mod path;
+mod smooth;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
 use sha2::{Digest, Sha256};
 
-use crate::affine::count_affine_by_label;
+use crate::labels::node_labels;
 use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Motion, Node, Settings, Slots, bind, blend, transform};
+use path::{Nodes, path};
+use smooth::smooth;
 
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
@@ -26,7 +30,7 @@ impl Spec {
     /// For streams that a decoder accepts: it checks few rules and may panic where one is broken.
     pub fn reconstruct(&self, stream: &[u8]) -> Result<Vec<String>, Failure> {
         let mut oracle = Oracle::default();
-        for line in self.parse(stream, &count_affine_by_label)? {
+        for line in self.parse(stream, &node_labels)? {
             oracle.element(line)?;
         }
         Ok(oracle.frames)
@@ -44,6 +48,10 @@ struct Oracle {
     nodes: Vec<Node>,
     /// Slots of every vertex.
     influence: Vec<Slots>,
+    /// Every node with its predecessor (7.5).
+    path: Vec<(usize, Option<usize>)>,
+    /// Of the P-frame before in the group: translations of the nodes, and PreviousStep.
+    previous: (Vec<[i64; 3]>, i64),
     /// #V × 3, in reference units.
     reference: Vec<[i64; 3]>,
     frames: Vec<String>,
@@ -113,7 +121,9 @@ impl Oracle {
         decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut self.mesh).ok()?;
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
-        self.reference = self.mesh.positions.iter().map(in_units).collect();
+        let decoded: Vec<[i64; 3]> = self.mesh.positions.iter().map(in_units).collect();
+        let strength = self.number("smoothing_strength") as usize;
+        self.reference = smooth(&decoded, &self.mesh.faces, strength, unit / 2);
         self.show('I')
     }
 
@@ -126,6 +136,7 @@ impl Oracle {
         let unit = 1 << self.fraction_bits();
         let node = |(index, point): (usize, &[i64; 3])| Node {
             position: point.map(|coordinate| coordinate * unit),
+            label: labels[index],
             region: self.region_of(labels[index]),
             affine: self.is_affine(index, labels[index]),
         };
@@ -138,6 +149,13 @@ impl Oracle {
             bind(vertex, self.region_of(self.vertex_label(index)), &sites, &self.settings)
         };
         self.influence = vertices.iter().enumerate().map(slots).collect::<Option<_>>()?;
+        self.path = path(&Nodes {
+            positions: &points,
+            labels: &labels,
+            influence: &self.influence,
+            body: number(&self.header, "label_set") == 1,
+            up_axis: number(&self.header, "up_axis") as usize,
+        });
         Some(())
     }
 
@@ -170,7 +188,8 @@ impl Oracle {
     }
 
     fn motion_frame(&mut self) -> Option<()> {
-        let motions = self.motions();
+        self.previous = self.translations();
+        let motions = self.motions(&self.previous.0);
         let transforms: Vec<_> =
             self.nodes.iter().zip(&motions).map(|(node, motion)| transform(node, motion)).collect();
         let fraction_bits = self.fraction_bits();
@@ -189,19 +208,53 @@ impl Oracle {
         self.show('P')
     }
 
+    /// P(s), four times T(s), of 7.2.
+    fn step(&self, name: &str) -> i64 {
+        let s = self.number(name) as u32;
+        i64::from(4 + s % 4) << (s / 4)
+    }
+
+    /// 7.3 and 7.4: the translations of the nodes, and T(s).
+    fn translations(&self) -> (Vec<[i64; 3]>, i64) {
+        let step = self.step("translation_step") / 4;
+        let values = self.triples("translation");
+        let (before, previous_step) = &self.previous;
+        let add = |a: [i64; 3], b: [i64; 3], step: i64| [0, 1, 2].map(|k| a[k] + b[k] * step);
+        let mut translations = vec![[0; 3]; values.len()];
+        match self.number("translation_mode") {
+            0 => {
+                for node in 0..values.len() {
+                    translations[node] = add([0; 3], values[node], step);
+                }
+            }
+            1 => {
+                for &(node, predecessor) in &self.path {
+                    let prediction = predecessor.map_or([0; 3], |before| translations[before]);
+                    translations[node] = add(prediction, values[node], step);
+                }
+            }
+            _ => {
+                let changes = self.triples("translation_change");
+                let parts: BTreeSet<u8> = self.nodes.iter().map(|node| node.label).collect();
+                for (node, value) in values.into_iter().enumerate() {
+                    let label = self.nodes[node].label;
+                    let part = parts.iter().take_while(|&&part| part < label).count();
+                    let prediction = add(before[node], changes[part], *previous_step);
+                    translations[node] = add(prediction, value, step);
+                }
+            }
+        }
+        (translations, step)
+    }
+
     /// Chapter 7: the values of every node.
-    fn motions(&self) -> Vec<Motion> {
-        let step = |name: &str| {
-            let s = self.number(name) as u32;
-            i64::from(4 + s % 4) << (s / 4)
-        };
-        let translation_step = step("translation_step") / 4;
+    fn motions(&self, translations: &[[i64; 3]]) -> Vec<Motion> {
         let mut rotations = self.triples("rotation").into_iter();
         let mut scales = self.triples("scale").into_iter();
         let mut shears = self.triples("shear").into_iter();
         let flag = |name: &str, node: &Node| node.affine && self.number(name) == 1;
-        let value = |q: i64, name: &str| (q * step(name)) as f64 / 65536.0;
-        let of_node = |(node, translation): (&Node, [i64; 3])| {
+        let value = |q: i64, name: &str| (q * self.step(name)) as f64 / 65536.0;
+        let of_node = |(node, &translation): (&Node, &[i64; 3])| {
             let rotates = !node.affine || flag("rotation_enabled", node);
             let next = |carries: bool, list: &mut std::vec::IntoIter<[i64; 3]>| {
                 if carries { list.next().unwrap_or([0; 3]) } else { [0; 3] }
@@ -210,21 +263,18 @@ impl Oracle {
             let scale = next(flag("scale_enabled", node), &mut scales);
             let shear = next(flag("shear_enabled", node), &mut shears);
             Motion {
-                translation: translation.map(|q| q * translation_step),
+                translation,
                 angles: angles.map(|q| value(q, "rotation_step")),
                 scale: scale.map(|q| 1.0 + value(q, "scale_step")),
                 shear: shear.map(|q| value(q, "shear_step")),
             }
         };
-        self.nodes.iter().zip(self.triples("translation")).map(of_node).collect()
+        self.nodes.iter().zip(translations).map(of_node).collect()
     }
 
-    /// 8.4 and 9.5: the frame on the grid as a line; `None` where its own digest is another.
+    /// 9.5: the frame as a line; `None` where its own digest is another.
     fn show(&mut self, kind: char) -> Option<()> {
-        let fraction_bits = self.fraction_bits();
-        let half = (1 << fraction_bits) >> 1;
-        let on_grid = |x: &[i64; 3]| x.map(|x| (x + half) >> fraction_bits);
-        let positions: Vec<[i64; 3]> = self.reference.iter().map(on_grid).collect();
+        let positions = &self.reference;
         let numbers = |list: &mut dyn Iterator<Item = i64>| -> Vec<u8> {
             list.flat_map(|number| (number as i32).to_le_bytes()).collect()
         };

@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::eigenvalues::eigenvalues;
-use super::flood::{Flood, Spheres, Step};
+use super::flood::{Flood, Spheres, Step, clip, clip_special};
 use super::topology::{Symmetric, Topology};
-use crate::vec3::{Vec3, length, sub};
+use crate::lanes::lanes;
+use crate::vec3::{Vec3, length, length_squared, sub};
 
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 256;
@@ -49,9 +50,9 @@ pub(super) fn curvature(
     radii: &[f64],
 ) -> Vec<f64> {
     let levels = radii.len();
-    let spheres = Spheres::new(radii.iter().copied());
+    let spheres = Spheres::new(radii.iter().copied(), topology);
     let mut curvature = vec![0.0; positions.len() * levels];
-    let scratch = || (Flood::new(positions.len()), vec![[0.0; 6]; levels]);
+    let scratch = || (Flood::new(positions.len(), levels), vec![[0.0; 6]; levels]);
     curvature.par_chunks_mut(CHUNK * levels).enumerate().for_each_init(
         scratch,
         |(flood, tensors), (chunk, out)| {
@@ -64,7 +65,7 @@ pub(super) fn curvature(
                 }
                 tensors.fill([0.0; 6]);
                 flood.run(topology, positions, vertex as u32, &spheres, |step| {
-                    add_edge(tensors, step, &topology.tensors, &spheres);
+                    add_edges(tensors, step, topology, (positions, vertex), &spheres);
                 });
                 for (out, (tensor, radius)) in out.iter_mut().zip(tensors.iter().zip(radii)) {
                     *out = side * mean_absolute(tensor) / (PI * radius * radius);
@@ -75,15 +76,31 @@ pub(super) fn curvature(
     curvature
 }
 
-/// Adds the part of an edge that is inside each sphere.
+/// Adds the parts of some edges that are inside each sphere.
 #[inline]
-fn add_edge(tensors: &mut [Symmetric], step: &Step<'_>, edges: &[Symmetric], spheres: &Spheres) {
-    let whole = &edges[step.to.edge as usize];
-    for level in step.from.level as usize..tensors.len() {
-        let leaves = level < step.to_level as usize;
-        let part = if leaves { step.clip(spheres.radii_squared[level]) } else { 1.0 };
-        for (sum, entry) in tensors[level].iter_mut().zip(whole) {
-            *sum += part * entry;
+fn add_edges(
+    tensors: &mut [Symmetric],
+    step: &Step<'_>,
+    topology: &Topology,
+    (positions, centre): (&[Vec3], usize),
+    spheres: &Spheres,
+) {
+    let start = positions[step.from as usize];
+    for lane in lanes(step.used) {
+        let to = step.block.neighbour(lane);
+        let along = sub(positions[to.vertex as usize], start);
+        let end_squared = length_squared(sub(positions[to.vertex as usize], positions[centre]));
+        let whole = &topology.tensors[to.edge as usize];
+        for level in step.level..tensors.len() {
+            let radius_squared = spheres.radii_squared[level];
+            let part = if end_squared > radius_squared || end_squared == 0.0 {
+                clip(step.offset, along, radius_squared).unwrap_or_else(|| clip_special(along))
+            } else {
+                1.0
+            };
+            for (sum, entry) in tensors[level].iter_mut().zip(whole) {
+                *sum += part * entry;
+            }
         }
     }
 }

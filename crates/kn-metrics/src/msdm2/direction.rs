@@ -2,10 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::flood::{Flood, Spheres, Step};
+use super::flood::{Flood, Spheres, clip, clip_special};
+use super::list::List;
 use super::matching::opposite_areas;
-use super::statistics::{Moments, Samples, Weights};
+use super::statistics::{Sample, Samples};
 use super::{Interpolation, Msdm2Direction, Msdm2Surface, radii};
+use crate::lanes::each_lane;
 use crate::tree::Closest;
 use crate::vec3::{Vec3, distance_squared, length_squared, mul_add, sub};
 
@@ -15,15 +17,31 @@ const NEIGHBOURHOOD: f64 = 5.0;
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 128;
 
+/// The Gaussian weight at the sphere's radius, which is 2σ: e⁻².
+const ON_SPHERE: f64 = 0.135_335_283_236_612_7;
+
 /// A distorted mesh, matched with its original.
 pub(super) struct Direction<'a> {
     distorted: &'a Msdm2Surface,
     levels: usize,
     /// Squared radii of the neighbourhoods.
     spheres: Spheres,
-    /// Per vertex 3 + 2 · levels numbers side by side: the matched point, the vertex's own
-    /// curvature at each level, and the matched one at each level.
-    records: Vec<f64>,
+    /// Times a squared distance: the exponent of the Gaussian weight, −1 / 2σ² with σ = h / 2.
+    exponents: Vec<f64>,
+    /// `levels × #V`.
+    records: Vec<Vec<Record>>,
+}
+
+/// What a level knows of a vertex of the distorted mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Record {
+    position: Vec3,
+    /// The vertex's own curvature.
+    pub(super) own: f64,
+    /// The closest point on the original.
+    matched: Vec3,
+    /// Curvature there.
+    pub(super) other: f64,
 }
 
 impl<'a> Direction<'a> {
@@ -36,27 +54,29 @@ impl<'a> Direction<'a> {
     ) -> Self {
         let own = distorted.curvature(distorted.side, levels);
         let other = original.curvature(distorted.side, levels);
-        let mut records = Vec::with_capacity(matches.len() * (3 + 2 * levels));
-        for (vertex, closest) in matches.iter().enumerate() {
-            records.extend(closest.point);
-            records.extend(&own[vertex * levels..(vertex + 1) * levels]);
+        let record = |vertex: usize, level: usize| {
+            let (closest, position) = (&matches[vertex], distorted.positions[vertex]);
             let weights = match interpolation {
-                Interpolation::AtVertex => {
-                    opposite_areas(original, closest, distorted.positions[vertex])
-                }
+                Interpolation::AtVertex => opposite_areas(original, closest, position),
                 Interpolation::Projected => closest.barycentric,
             };
-            let corners =
-                original.faces[closest.face as usize].map(|corner| corner as usize * levels);
-            records.extend(
-                (0..levels).map(|level| {
-                    (0..3).map(|i| weights[i] * other[corners[i] + level]).sum::<f64>()
-                }),
-            );
-        }
+            let corners = original.faces[closest.face as usize];
+            let at_corner = |i: usize| weights[i] * other[corners[i] as usize * levels + level];
+            Record {
+                position,
+                own: own[vertex * levels + level],
+                matched: closest.point,
+                other: (0..3).map(at_corner).sum(),
+            }
+        };
+        let records = (0..levels)
+            .into_par_iter()
+            .map(|level| (0..matches.len()).map(|vertex| record(vertex, level)).collect())
+            .collect();
         let radii = radii(distorted.side, levels).into_iter().map(|radius| NEIGHBOURHOOD * radius);
-        let spheres = Spheres::new(radii);
-        Self { distorted, levels, spheres, records }
+        let spheres = Spheres::new(radii, &distorted.topology);
+        let exponents = spheres.radii_squared.iter().map(|square| -2.0 / square).collect();
+        Self { distorted, levels, spheres, exponents, records }
     }
 
     pub(super) fn evaluate(&self) -> Msdm2Direction {
@@ -82,149 +102,131 @@ impl<'a> Direction<'a> {
         if self.distorted.topology.is_isolated(vertex) {
             return 0.0;
         }
-        self.collect(vertex, scratch);
-        let centre = self.record(vertex);
+        self.flood(vertex, scratch);
         let mut sum = 0.0;
-        for (level, radius_squared) in self.spheres.radii_squared.iter().enumerate() {
-            let moments = scratch.moments(level, *radius_squared);
-            sum += moments.distance(centre.own[level], centre.other[level]);
+        for (level, records) in self.records.iter().enumerate() {
+            self.sample(vertex, level, scratch);
+            let centre = &records[vertex];
+            sum += scratch.samples.moments().distance(centre.own, centre.other);
         }
         sum / self.levels as f64
     }
 
-    /// The samples of all levels around a vertex.
-    fn collect(&self, vertex: usize, scratch: &mut Scratch) {
-        scratch.clear();
+    /// The vertices of the largest sphere, and the edges that leave each of the spheres.
+    fn flood(&self, vertex: usize, scratch: &mut Scratch) {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
-        let centre = self.record(vertex);
-        let Scratch { flood, inside, crossing, .. } = scratch;
-        let reached = flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
-            for level in step.from.level..step.to_level {
-                let level = level as usize;
-                self.push_crossing(step, level, &centre, &mut crossing[level]);
-            }
+        let Scratch { flood, candidates, leaving, .. } = scratch;
+        candidates.iter_mut().for_each(List::clear);
+        leaving.iter_mut().for_each(List::clear);
+        flood.run(topology, positions, vertex as u32, &self.spheres, |step| {
+            let candidates = &mut candidates[step.level];
+            each_lane::<2>(step.leaving, |is_one, lane| {
+                candidates.push_if(is_one, [step.from, step.block.neighbour(lane).vertex]);
+            });
         });
-        for first_level in 0..self.levels {
-            for reached in reached.iter().filter(|reached| reached.level as usize == first_level) {
-                let record = self.record(reached.vertex as usize);
-                inside.own_distance.push(reached.distance_squared);
-                inside.other_distance.push(distance_squared(record.matched, centre.matched));
+        let origin = positions[vertex];
+        for (first_level, candidates) in candidates.iter().enumerate() {
+            for edge in candidates.as_slice() {
+                let end_squared = length_squared(sub(positions[edge[1] as usize], origin));
+                // An edge without length leaves every sphere, as in the reference.
+                let end_squared = if end_squared == 0.0 { f64::INFINITY } else { end_squared };
                 for level in first_level..self.levels {
-                    let own = record.own[level] - centre.own[level];
-                    inside.samples[level].push(own, record.other[level] - centre.other[level]);
+                    let leaves = end_squared > self.spheres.radii_squared[level];
+                    leaving[level].push_if(leaves, *edge);
                 }
             }
-            inside.counts[first_level] = inside.own_distance.len();
         }
     }
 
-    /// The sample where an edge leaves the sphere of a level.
+    /// The samples of a level around a vertex, after the flood.
+    pub(super) fn sample(&self, vertex: usize, level: usize, scratch: &mut Scratch) {
+        let Scratch { flood, leaving, samples, .. } = scratch;
+        let records = &self.records[level][..];
+        let (centre, exponent) = (records[vertex], self.exponents[level]);
+        samples.clear();
+        let mut first = 0;
+        for reached in (0..=level).map(|level| flood.reached(level)) {
+            samples.extend_inside(first, reached, |reached| {
+                records[reached.vertex as usize].sample(&centre, exponent, reached.distance_squared)
+            });
+            first += reached.len();
+        }
+        let radius_squared = self.spheres.radii_squared[level];
+        samples.extend_leaving(leaving[level].as_slice(), |&[from, to]| {
+            let (from, to) = (&records[from as usize], &records[to as usize]);
+            from.sample_on_edge(to, &centre, exponent, radius_squared)
+        });
+    }
+
+    #[cfg(test)]
+    pub(super) fn record(&self, vertex: usize, level: usize) -> &Record {
+        &self.records[level][vertex]
+    }
+}
+
+impl Record {
     #[inline]
-    fn push_crossing(
+    fn sample(&self, centre: &Self, exponent: f64, own_distance: f64) -> Sample {
+        [
+            exponent * own_distance,
+            exponent * distance_squared(self.matched, centre.matched),
+            self.own - centre.own,
+            self.other - centre.other,
+        ]
+    }
+
+    /// The sample where the edge to another vertex leaves the sphere.
+    #[inline]
+    fn sample_on_edge(
         &self,
-        step: &Step<'_>,
-        level: usize,
-        centre: &Record<'_>,
-        out: &mut Crossing,
-    ) {
-        let t = step.clip(self.spheres.radii_squared[level]);
-        let from = self.record(step.from.vertex as usize);
-        let to = self.record(step.to.vertex as usize);
-        let between = |a: f64, b: f64, centre: f64| a + t * (b - a) - centre;
-        let offset = mul_add(step.from.offset, t, step.along);
-        let matched = mul_add(from.matched, t, sub(to.matched, from.matched));
-        out.own_distance.push(length_squared(offset));
-        out.other_distance.push(distance_squared(matched, centre.matched));
-        out.samples.push(
-            between(from.own[level], to.own[level], centre.own[level]),
-            between(from.other[level], to.other[level], centre.other[level]),
-        );
+        to: &Self,
+        centre: &Self,
+        exponent: f64,
+        radius_squared: f64,
+    ) -> Sample {
+        let offset = sub(self.position, centre.position);
+        let along = sub(to.position, self.position);
+        let (t, own_weight) = match clip(offset, along, radius_squared) {
+            Some(t) => (t, ON_SPHERE),
+            None => {
+                let t = clip_special(along);
+                (t, libm::exp(exponent * length_squared(mul_add(offset, t, along))))
+            }
+        };
+        let matched = mul_add(self.matched, t, sub(to.matched, self.matched));
+        [
+            own_weight,
+            exponent * distance_squared(matched, centre.matched),
+            self.own + t * (to.own - self.own) - centre.own,
+            self.other + t * (to.other - self.other) - centre.other,
+        ]
     }
-
-    #[inline]
-    pub(super) fn record(&self, vertex: usize) -> Record<'_> {
-        let width = 3 + 2 * self.levels;
-        let record = &self.records[vertex * width..(vertex + 1) * width];
-        let (own, other) = record[3..].split_at(self.levels);
-        Record { matched: [record[0], record[1], record[2]], own, other }
-    }
-}
-
-/// A vertex of the distorted mesh.
-pub(super) struct Record<'a> {
-    pub(super) matched: Vec3,
-    pub(super) own: &'a [f64],
-    pub(super) other: &'a [f64],
-}
-
-/// The vertices around a vertex, ordered by the first level that holds them: the samples of a level
-/// are the first ones.
-struct Inside {
-    own_distance: Vec<f64>,
-    other_distance: Vec<f64>,
-    /// Per level how many vertices it holds.
-    counts: Vec<usize>,
-    samples: Vec<Samples>,
-}
-
-/// The points where edges leave the sphere of a level.
-#[derive(Clone, Default)]
-struct Crossing {
-    own_distance: Vec<f64>,
-    other_distance: Vec<f64>,
-    samples: Samples,
 }
 
 /// Buffers of a thread.
 pub(super) struct Scratch {
     flood: Flood,
-    inside: Inside,
-    /// Per level.
-    crossing: Vec<Crossing>,
-    weights: Weights,
+    /// Per level the edges that start in its sphere, but in no smaller one, and may leave it.
+    candidates: Vec<List<[u32; 2]>>,
+    /// Per level the edges that leave its sphere: from a vertex inside to another.
+    leaving: Vec<List<[u32; 2]>>,
+    samples: Samples,
 }
 
 impl Scratch {
     pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
-        let inside = Inside {
-            own_distance: Vec::new(),
-            other_distance: Vec::new(),
-            counts: vec![0; levels],
-            samples: vec![Samples::default(); levels],
-        };
-        let crossing = vec![Crossing::default(); levels];
-        let flood = Flood::new(vertex_count);
-        Self { flood, inside, crossing, weights: Weights::default() }
-    }
-
-    fn clear(&mut self) {
-        self.inside.own_distance.clear();
-        self.inside.other_distance.clear();
-        self.inside.samples.iter_mut().for_each(Samples::clear);
-        for crossing in &mut self.crossing {
-            crossing.own_distance.clear();
-            crossing.other_distance.clear();
-            crossing.samples.clear();
+        Self {
+            flood: Flood::new(vertex_count, levels),
+            candidates: vec![List::new(); levels],
+            leaving: vec![List::new(); levels],
+            samples: Samples::default(),
         }
-    }
-
-    /// Weighted sums over the samples of a level.
-    fn moments(&mut self, level: usize, radius_squared: f64) -> Moments {
-        let Self { inside, crossing, weights, .. } = self;
-        let mut moments = Moments::default();
-        let (own, other) = (&inside.own_distance, &inside.other_distance);
-        let count = inside.counts[level];
-        weights.evaluate(radius_squared, &own[..count], &other[..count]);
-        moments.add(&mut inside.samples[level], weights);
-        let crossing = &mut crossing[level];
-        weights.evaluate(radius_squared, &crossing.own_distance, &crossing.other_distance);
-        moments.add(&mut crossing.samples, weights);
-        moments
     }
 
     /// How many samples a level has.
     #[cfg(test)]
     pub(super) fn count(&self, level: usize) -> usize {
-        self.inside.counts[level] + self.crossing[level].own_distance.len()
+        let inside: usize = (0..=level).map(|level| self.flood.reached(level).len()).sum();
+        inside + self.leaving[level].as_slice().len()
     }
 }

@@ -1,24 +1,31 @@
 //! Curvature statistics of two surfaces over a neighbourhood, and the distance they give.
 
-use super::exp::exp_in_place;
+use super::exp::exp_of_negative;
 
 /// Sums run in this many lanes, so that the compiler can vectorise them; the order is fixed.
 const LANES: usize = 4;
 
-/// Samples side by side. Curvatures are relative to those at the centre: C − C(v), Ĉ − Ĉ(v).
-/// That keeps the digits of a variance which is small beside the mean.
-#[derive(Clone, Default)]
+/// Samples side by side: those at vertices first, then those where edges leave the sphere.
+/// Curvatures are relative to those at the centre: C − C(v), Ĉ − Ĉ(v). That keeps the digits of a
+/// variance which is small beside the mean.
+#[derive(Default)]
 pub(super) struct Samples {
-    pub(super) own: Vec<f64>,
-    pub(super) other: Vec<f64>,
+    blocks: Vec<Block>,
+    /// How many blocks of samples at vertices.
+    inside: usize,
 }
 
-/// Gaussian weights of samples, by the distances on both surfaces.
-#[derive(Default)]
-pub(super) struct Weights {
-    own: Vec<f64>,
-    other: Vec<f64>,
-}
+/// Exponents of both Gaussian weights, and both curvatures.
+pub(super) type Sample = [f64; 4];
+
+/// The samples of all lanes, one number after the other. Where edges leave the sphere the first is
+/// the weight itself, since it is nearly always the same.
+type Block = [[f64; LANES]; 4];
+
+/// Samples without weight: at vertices, and where edges leave the sphere.
+const NO_VERTEX: Block =
+    [[f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
+const NO_EDGE: Block = [[0.0; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
 
 /// Weighted sums over samples a = C − C(v), b = Ĉ − Ĉ(v).
 #[derive(Default)]
@@ -35,57 +42,55 @@ pub(super) struct Moments {
 
 impl Samples {
     pub(super) fn clear(&mut self) {
-        self.own.clear();
-        self.other.clear();
+        self.blocks.clear();
     }
 
+    /// Takes a sample from each item, all at vertices. `first` of them were taken before.
     #[inline]
-    pub(super) fn push(&mut self, own: f64, other: f64) {
-        self.own.push(own);
-        self.other.push(other);
+    pub(super) fn extend_inside<T>(
+        &mut self,
+        first: usize,
+        items: &[T],
+        sample: impl Fn(&T) -> Sample,
+    ) {
+        self.blocks.resize((first + items.len()).div_ceil(LANES), NO_VERTEX);
+        self.inside = self.blocks.len();
+        write(&mut self.blocks, first, items, sample);
+    }
+
+    /// Takes a sample from each item, all where edges leave the sphere, after those at vertices.
+    #[inline]
+    pub(super) fn extend_leaving<T>(&mut self, items: &[T], sample: impl Fn(&T) -> Sample) {
+        self.blocks.resize(self.inside + items.len().div_ceil(LANES), NO_EDGE);
+        write(&mut self.blocks[self.inside..], 0, items, sample);
+    }
+
+    /// Weighted sums over all samples.
+    pub(super) fn moments(&self) -> Moments {
+        let mut moments = Moments::default();
+        let (inside, leaving) = self.blocks.split_at(self.inside);
+        for [w1, w2, a, b] in inside {
+            moments.add(a, b, &w1.map(exp_of_negative), &w2.map(exp_of_negative));
+        }
+        for [w1, w2, a, b] in leaving {
+            moments.add(a, b, w1, &w2.map(exp_of_negative));
+        }
+        moments
     }
 }
 
-impl Weights {
-    /// Weights exp(−d² / 2σ²) with σ = h / 2 of squared distances in a sphere of squared radius h².
-    pub(super) fn evaluate(&mut self, radius_squared: f64, own: &[f64], other: &[f64]) {
-        let exponent = -2.0 / radius_squared;
-        for (weights, distances) in [(&mut self.own, own), (&mut self.other, other)] {
-            weights.clear();
-            weights.extend(distances.iter().map(|distance| distance * exponent));
-            exp_in_place(weights);
-            // The last group of lanes is filled with samples that weigh nothing.
-            weights.resize(distances.len().next_multiple_of(LANES), 0.0);
-        }
+#[inline(always)]
+fn write<T>(blocks: &mut [Block], first: usize, items: &[T], sample: impl Fn(&T) -> Sample) {
+    for (index, item) in (first..).zip(items) {
+        let [w1, w2, a, b] = &mut blocks[index / LANES];
+        let lane = index % LANES;
+        [w1[lane], w2[lane], a[lane], b[lane]] = sample(item);
     }
 }
 
 impl Moments {
-    /// Adds the first samples, as many as have a weight.
-    pub(super) fn add(&mut self, samples: &mut Samples, weights: &Weights) {
-        let count = weights.own.len();
-        for values in [&mut samples.own, &mut samples.other] {
-            if values.len() < count {
-                values.resize(count, 0.0);
-            }
-        }
-        let a = samples.own.as_chunks::<LANES>().0;
-        let b = samples.other.as_chunks::<LANES>().0;
-        let w1 = weights.own.as_chunks::<LANES>().0;
-        let w2 = weights.other.as_chunks::<LANES>().0;
-        for (((a, b), w1), w2) in a.iter().zip(b).zip(w1).zip(w2) {
-            self.add_lanes(a, b, w1, w2);
-        }
-    }
-
     #[inline]
-    fn add_lanes(
-        &mut self,
-        a: &[f64; LANES],
-        b: &[f64; LANES],
-        w1: &[f64; LANES],
-        w2: &[f64; LANES],
-    ) {
+    fn add(&mut self, a: &[f64; LANES], b: &[f64; LANES], w1: &[f64; LANES], w2: &[f64; LANES]) {
         for lane in 0..LANES {
             let (a, b, w1, w2) = (a[lane], b[lane], w1[lane], w2[lane]);
             let (w1_a, w2_b) = (w1 * a, w2 * b);

@@ -122,6 +122,29 @@ fn degenerate_and_non_manifold_faces_give_finite_values() {
 }
 
 #[test]
+fn coincident_unconnected_vertices_are_kept_apart() {
+    let whole = torus(40, 20, |i| 0.01 * noise(i));
+    let corners = whole.1.iter().flatten().map(|&vertex| whole.0[vertex as usize]).collect();
+    let faces = (0..whole.1.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]);
+    let soup = (corners, faces.collect());
+    let found = msdm2(&surface(&whole), &surface(&soup), Interpolation::AtVertex);
+    // Nothing bends in a soup of faces.
+    assert_eq!((found.forward.isolated, found.forward.local.len()), (0, 4800));
+    assert!(found.symmetric > 0.5 && found.symmetric < 1.0);
+    let points = crate::PointCloud::from_vertices(&soup.0, &soup.1).unwrap();
+    assert_eq!(points.len(), 800);
+}
+
+#[test]
+fn orientation_does_not_matter() {
+    let mesh = torus(40, 20, |i| 0.01 * noise(i));
+    let flipped = mesh.1.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let found =
+        msdm2(&surface(&mesh), &surface(&(mesh.0.clone(), flipped)), Interpolation::Projected);
+    assert!(found.symmetric < 1e-12, "{}", found.symmetric);
+}
+
+#[test]
 fn bad_input_is_named() {
     let (positions, faces) = torus(5, 4, |_| 0.0);
     let error = |positions: &[Vec3], faces: &[[u32; 3]], levels| {
@@ -188,12 +211,14 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
         let vertex = row[0] as usize;
         let mean = direction.local(vertex, &mut scratch);
         assert!(near(mean, row[17]), "vertex {vertex}: {mean} instead of {}", row[17]);
-        let record = direction.record(vertex);
         for level in 0..DEFAULT_LEVELS {
             let stage = &row[5 + 4 * level..];
-            assert!(near(record.own[level], stage[0]), "vertex {vertex}, level {level}");
-            assert!(near(record.other[level], stage[1]), "vertex {vertex}, level {level}");
-            assert_eq!(scratch.count(level), stage[2] as usize, "vertex {vertex}, level {level}");
+            let record = direction.record(vertex, level);
+            assert!(near(record.own, stage[0]), "vertex {vertex}, level {level}");
+            assert!(near(record.other, stage[1]), "vertex {vertex}, level {level}");
+            direction.sample(vertex, level, &mut scratch);
+            let count = scratch.count(level);
+            assert_eq!(count, stage[2] as usize, "vertex {vertex}, level {level}");
         }
     }
 }

@@ -14,24 +14,30 @@ pub(super) struct Neighbour {
     pub(super) edge: u32,
 }
 
-/// Neighbours of a block.
-const LANES: usize = 4;
+/// Neighbours of a block: enough for nearly all vertices, and two vectors of four.
+const LANES: usize = 8;
 
-/// Up to four neighbours of a vertex.
+/// Up to eight neighbours of a vertex.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    /// Unit vectors along the edges, one coordinate of all lanes at a time, in binary32. Not a
-    /// number where there is no neighbour, zero where the edge has no length.
-    directions: [Vec4; 3],
+    /// The edges as vectors in units of the box's side, one coordinate of four lanes at a time, in
+    /// binary32. Not a number where there is no neighbour.
+    along: [[Vec4; 3]; 2],
+    /// The largest coordinate of all edges.
+    longest: f32,
     neighbours: [Neighbour; LANES],
-    count: u32,
 }
+
+/// A number for each lane of a block.
+pub(super) struct Lanes(Vec4, Vec4);
 
 /// Who is next to whom.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
     /// `#V + 1` starts into `blocks`.
     starts: Vec<u32>,
+    /// From world units to those of the blocks, in which the box's longest side is 1.
+    pub(super) to_unit: f64,
     /// The neighbours of each vertex in ascending order, each once.
     blocks: Vec<Block>,
     /// Per edge its whole contribution to the tensor: (dihedral angle / length) · e eᵀ. Zero where
@@ -49,8 +55,9 @@ struct Side {
 }
 
 impl Topology {
-    /// Indices must be in range; a side from a vertex to itself is no edge.
-    pub(super) fn new(positions: &[Vec3], faces: &[[u32; 3]]) -> Self {
+    /// Indices must be in range; a side from a vertex to itself is no edge. `side` is that of the
+    /// faces' box.
+    pub(super) fn new(positions: &[Vec3], faces: &[[u32; 3]], side: f64) -> Self {
         let (starts, mut sides) = sides_by_lower_vertex(positions.len(), faces);
         let normals: Vec<Vec3> = faces
             .iter()
@@ -69,8 +76,9 @@ impl Topology {
             }
         }
         let (starts, neighbours) = neighbours_of(positions.len(), &edges);
-        let (starts, blocks) = blocks_of(positions, &starts, &neighbours);
-        Self { starts, blocks, tensors }
+        let to_unit = side.recip();
+        let (starts, blocks) = blocks_of(positions, to_unit, &starts, &neighbours);
+        Self { starts, to_unit, blocks, tensors }
     }
 
     #[inline]
@@ -79,7 +87,7 @@ impl Topology {
     }
 
     pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
-        let used = |block: &Block| block.neighbours.into_iter().take(block.count as usize);
+        let used = |block: &Block| block.neighbours.into_iter().take(block.count());
         self.blocks(vertex).iter().flat_map(used)
     }
 
@@ -89,50 +97,82 @@ impl Topology {
 }
 
 impl Block {
-    /// A bit for each neighbour, but not for most of those whose edges lead against `direction`;
-    /// exact tests are left to the caller. `direction` is in units that binary32 holds.
-    #[inline]
-    pub(super) fn ahead(&self, direction: Vec3) -> u32 {
-        let [x, y, z] = direction.map(|x| x as f32);
-        let along = self.directions[0] * x + self.directions[1] * y + self.directions[2] * z;
-        // Rounding moves the product by less than half of this.
-        let slack = 1e-6 * (x.abs() + y.abs() + z.abs());
-        along.cmpge(Vec4::splat(-slack)).bitmask()
+    /// One to eight neighbours of a vertex at `start`.
+    fn new(positions: &[Vec3], to_unit: f64, start: Vec3, neighbours: &[Neighbour]) -> Self {
+        let mut block =
+            Self { along: [[Vec4::NAN; 3]; 2], longest: 0.0, neighbours: [neighbours[0]; LANES] };
+        for (lane, &neighbour) in neighbours.iter().enumerate() {
+            let along = sub(positions[neighbour.vertex as usize], start);
+            block.neighbours[lane] = neighbour;
+            for axis in 0..3 {
+                let along = (along[axis] * to_unit) as f32;
+                block.along[lane / 4][axis][lane % 4] = along;
+                block.longest = block.longest.max(along.abs());
+            }
+        }
+        block
     }
 
-    /// The neighbour of a lane below four.
+    /// A bit for each neighbour.
+    pub(super) fn present(&self) -> u8 {
+        Lanes(self.along[0][0], self.along[1][0]).above(f32::NEG_INFINITY)
+    }
+
+    fn count(&self) -> usize {
+        self.present().count_ones() as usize
+    }
+
+    /// A bit for each neighbour whose edge leads along `offset`, in the blocks' units: for those
+    /// where this is sure, and for those where it may be so.
     #[inline]
-    pub(super) fn neighbour(&self, lane: u32) -> Neighbour {
-        self.neighbours[lane as usize % LANES]
+    pub(super) fn ahead(&self, [x, y, z]: [f32; 3]) -> (u8, u8) {
+        let product = |along: &[Vec4; 3]| along[0] * x + along[1] * y + along[2] * z;
+        let products = Lanes(product(&self.along[0]), product(&self.along[1]));
+        // Rounding moves a product by less than a third of this. Zero is never sure.
+        let reach = x.abs() + y.abs() + z.abs();
+        let slack = 1e-6 * self.longest * reach + f32::MIN_POSITIVE;
+        (products.above(slack), products.above(-slack))
+    }
+
+    /// Squared distances of all neighbours from a point at −`offset`, in the blocks' units.
+    #[inline]
+    pub(super) fn distances_squared(&self, [x, y, z]: [f32; 3]) -> Lanes {
+        let square = |along: &[Vec4; 3]| {
+            let (x, y, z) = (along[0] + x, along[1] + y, along[2] + z);
+            x * x + y * y + z * z
+        };
+        Lanes(square(&self.along[0]), square(&self.along[1]))
+    }
+
+    /// The neighbour of a lane below eight.
+    #[inline]
+    pub(super) fn neighbour(&self, lane: usize) -> Neighbour {
+        self.neighbours[lane % LANES]
+    }
+}
+
+impl Lanes {
+    /// A bit for each lane above a limit; none for one that is not a number.
+    #[inline]
+    pub(super) fn above(&self, limit: f32) -> u8 {
+        let limit = Vec4::splat(limit);
+        (self.0.cmpgt(limit).bitmask() | self.1.cmpgt(limit).bitmask() << (LANES / 2)) as u8
     }
 }
 
 /// Cuts each vertex's neighbours into blocks: (`#V + 1` starts, blocks).
 fn blocks_of(
     positions: &[Vec3],
+    to_unit: f64,
     starts: &[u32],
     neighbours: &[Neighbour],
 ) -> (Vec<u32>, Vec<Block>) {
     let mut block_starts = Vec::with_capacity(starts.len());
-    let mut blocks = Vec::with_capacity(neighbours.len() / 3);
+    let mut blocks = Vec::with_capacity(starts.len());
     block_starts.push(0);
     for (vertex, range) in starts.windows(2).enumerate() {
         for some in neighbours[range[0] as usize..range[1] as usize].chunks(LANES) {
-            let mut block = Block {
-                directions: [Vec4::NAN; 3],
-                neighbours: [some[0]; LANES],
-                count: some.len() as u32,
-            };
-            for (lane, &neighbour) in some.iter().enumerate() {
-                let along = sub(positions[neighbour.vertex as usize], positions[vertex]);
-                let length = length(along);
-                block.neighbours[lane] = neighbour;
-                for axis in 0..3 {
-                    let unit = if length > 0.0 { along[axis] / length } else { 0.0 };
-                    block.directions[axis][lane] = unit as f32;
-                }
-            }
-            blocks.push(block);
+            blocks.push(Block::new(positions, to_unit, positions[vertex], some));
         }
         block_starts.push(blocks.len() as u32);
     }

@@ -136,14 +136,14 @@ impl Node {
 
     /// Lower bounds of the squared distances to the children, and a bit for each below `limit`.
     #[inline]
-    pub(super) fn children_within(&self, query: &Query, limit: f32) -> ([f32; CHILDREN], u32) {
+    pub(super) fn children_within(&self, query: &Query, limit: f32) -> ([f32; CHILDREN], u8) {
         let [low, high] = self.halves.each_ref().map(|half| half.distances_squared(query));
         let limit = Lanes::splat(limit);
         let hits = low.cmplt(limit).bitmask() | high.cmplt(limit).bitmask() << LANES;
         let mut bounds = [0.0; CHILDREN];
         bounds[..LANES].copy_from_slice(&low.to_array());
         bounds[LANES..].copy_from_slice(&high.to_array());
-        (bounds, hits)
+        (bounds, hits as u8)
     }
 }
 
@@ -177,7 +177,7 @@ pub(super) struct Leaf {
     sides: [Planes; 3],
     pub(super) faces: [u32; LANES],
     /// A bit for each lane that holds a face.
-    pub(super) used: u32,
+    pub(super) used: u8,
 }
 
 impl Leaf {

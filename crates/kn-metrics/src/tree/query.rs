@@ -4,6 +4,7 @@ use super::build::MAX_LEVELS;
 use super::node::{CHILDREN, Child, Lanes, Query, ROUNDING};
 use super::triangle::Foot;
 use super::{Closest, TriangleTree};
+use crate::lanes::lanes;
 use crate::vec3::Vec3;
 
 /// Beyond this many half sides of the box a bound in binary32 may overflow.
@@ -48,16 +49,6 @@ impl Waiting {
         self.stack[place] = entry;
         self.count += 1;
     }
-}
-
-/// The positions of the set bits.
-#[inline]
-fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        lane
-    })
 }
 
 impl TriangleTree {
@@ -121,7 +112,7 @@ impl TriangleTree {
     fn visit_leaf(&self, leaf: usize, point: Vec3, query: &Query, slack: f64, best: &mut Best) {
         let leaf = &self.leaves[leaf];
         let bounds = leaf.distances_squared(query);
-        let hits = bounds.cmplt(Lanes::splat(best.limit)).bitmask() & leaf.used;
+        let hits = bounds.cmplt(Lanes::splat(best.limit)).bitmask() as u8 & leaf.used;
         for lane in lanes(hits) {
             let face = leaf.faces[lane];
             if bounds[lane] >= best.limit || face == best.face {

@@ -1,8 +1,8 @@
 //! The demo's picture: scans, decoded frames and their error, side by side.
 
 use super::DecodedFrame;
-use crate::distortion::{Depth, Surface};
-use crate::heatmap;
+use crate::distortion::{Measures, Surface};
+use crate::heatmap::{self, PICTURE};
 use crate::picture::{Canvas, Sheet, View};
 use crate::stream::kind_letter;
 use crate::table::grouped;
@@ -26,8 +26,8 @@ pub(super) fn draw(
     let millimetres = |distance: f64| 1e3 * distance;
     let mut errors = Vec::new();
     for &index in &shown {
-        let reference = Surface::new(&scans[index], Depth::Distance)?;
-        let surface = Surface::new(&decoded[index].mesh, Depth::Distance)?;
+        let reference = Surface::new(&scans[index], Measures::DISTANCE)?;
+        let surface = Surface::new(&decoded[index].mesh, Measures::DISTANCE)?;
         errors.push(reference.distances_of(&surface).into_iter().map(millimetres).collect());
     }
     let end = heatmap::scale_end(errors.iter().map(|error: &Vec<f64>| &error[..]));
@@ -36,12 +36,12 @@ pub(super) fn draw(
         let info = &decoded[index].info;
         format!("{} {index}: {} bytes", kind_letter(info.kind), grouped(info.bytes))
     };
-    let original = shown.iter().map(|&index| heatmap::plain(&scans[index], &view));
-    let result = shown.iter().map(|&index| heatmap::plain(&decoded[index].mesh, &view));
+    let original = shown.iter().map(|&index| heatmap::plain(&scans[index], &view, PICTURE));
+    let result = shown.iter().map(|&index| heatmap::plain(&decoded[index].mesh, &view, PICTURE));
     let coloured = shown
         .iter()
         .zip(&errors)
-        .map(|(&index, error)| heatmap::coloured(&decoded[index].mesh, error, end, &view));
+        .map(|(&index, error)| heatmap::coloured(&decoded[index].mesh, error, end, &view, PICTURE));
     let sheet = Sheet {
         title: "kn: scans, decoded meshes, what was lost".into(),
         columns: shown.iter().map(title).collect(),

@@ -4,7 +4,7 @@ use kn_codec::NamePattern;
 
 /// The pattern of `names` (one per frame, without extension), where they are a common prefix and
 /// then numbers that rise by one; `None` otherwise.
-pub(super) fn name_pattern(names: &[String]) -> Option<NamePattern> {
+pub(crate) fn name_pattern(names: &[String]) -> Option<NamePattern> {
     let name = names.first()?;
     let digits = name.bytes().rev().take_while(u8::is_ascii_digit).count();
     let (prefix, number) = name.split_at(name.len() - digits);

@@ -38,6 +38,8 @@ struct CodedEntry {
     faces: u32,
     nodes: u32,
     combination: Option<&'static str>,
+    input_faces: u32,
+    decimation_error: f64,
     fit_rms: f64,
     reason: Option<String>,
 }
@@ -64,6 +66,8 @@ impl Report {
             faces: frame.faces,
             nodes: frame.nodes,
             combination: frame.combination.map(|combination| combination.name()),
+            input_faces: frame.input_faces,
+            decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
             reason: frame.reason,
         });
@@ -83,6 +87,7 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
+        self.tell_decimation(global);
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
         global.note(format_args!(
@@ -93,6 +98,25 @@ impl Report {
             mean(summary.intra_bytes, summary.intra_frames),
             mean(summary.predicted_bytes, predicted),
         ));
+    }
+
+    /// What decimation did to the I-frames, where it did anything.
+    fn tell_decimation(&self, global: &Global) {
+        let coded = self.frames.iter().filter_map(|frame| frame.coded.as_ref());
+        let coarser = coded.filter(|coded| coded.decimation_error > 0.0);
+        let (mut frames, mut before, mut after, mut error) = (0, 0, 0, 0.0_f64);
+        for coded in coarser {
+            frames += 1;
+            before += u64::from(coded.input_faces);
+            after += u64::from(coded.faces);
+            error = error.max(coded.decimation_error);
+        }
+        if frames > 0 {
+            let (before, after) = (grouped(before / frames), grouped(after / frames));
+            global.note(format_args!(
+                "decimated: {before} faces of an I-frame to {after}, vertices at most {error:.3e} away"
+            ));
+        }
     }
 
     /// All of it; `settings` are those of the command line.

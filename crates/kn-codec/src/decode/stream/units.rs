@@ -8,7 +8,7 @@ use crate::intra::{IntraError, IntraLimits, decode_intra};
 use kn_bitstream::unit::{self, Unit};
 use kn_bitstream::{
     BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext, LabelSet,
-    MotionContext, SequenceHeader, Trace, rule,
+    SequenceHeader, Trace, rule,
 };
 
 impl StreamDecoder {
@@ -58,7 +58,7 @@ impl StreamDecoder {
         };
         let decoder = &mut self.intra_decoder;
         self.group
-            .begin(|mesh| decode_intra(frame.payload, &limits, decoder, mesh))
+            .begin(frame.smoothing, |mesh| decode_intra(frame.payload, &limits, decoder, mesh))
             .map_err(|error| self.intra_error(error, payload_start))?;
         self.check_labels(payload_start)?;
         self.show(&frame.header)?;
@@ -130,10 +130,7 @@ impl StreamDecoder {
         if self.groups.last().is_none_or(|group| group.frames >= max_length) {
             return Err(self.malformed(rule::FILE_GROUP_LENGTH, at));
         }
-        let context = MotionContext {
-            node_count: self.group.nodes().positions.len() as u32,
-            affine_count: self.group.nodes().affine_count(),
-        };
+        let context = self.group.motion_context();
         let mut motion = std::mem::take(&mut self.motion);
         let result = motion.read(&mut bits, &context).and_then(|()| bits.finish());
         self.motion = motion;
@@ -147,13 +144,14 @@ impl StreamDecoder {
         Ok(self.finish_frame(FrameKind::Predicted))
     }
 
-    /// Rounds the reference to the grid and checks its digest.
+    /// Takes the frame's name and checks its digest.
     fn show(&mut self, header: &FrameHeader) -> Result<(), DecodeError> {
         self.frame_name.clear();
         self.frame_name.push_str(&header.name);
-        self.group.show(&mut self.shown);
         match header.positions_digest {
-            Some(digest) if self.check_digests && digest != positions_digest(&self.shown) => {
+            Some(digest)
+                if self.check_digests && digest != positions_digest(self.grid_positions()) =>
+            {
                 Err(DecodeErrorKind::Digest { frame: self.frame, what: "positions" }.into())
             }
             _ => Ok(()),
@@ -173,7 +171,7 @@ impl StreamDecoder {
             index: self.frame,
             kind,
             bytes: self.frame_bytes,
-            vertices: self.shown.len() as u32,
+            vertices: self.grid_positions().len() as u32,
             faces: self.faces().len() as u32,
             nodes,
         };

@@ -1,8 +1,12 @@
-//! The values that flags of `kn encode` take, and what they mean to the encoder.
+//! The values that flags take, and what they mean to the encoder.
 
 use clap::ValueEnum;
-use kn_codec::{AffineChoice, NodePlacement, UnitOfLength};
-use kn_deform::{Combination, InfluenceMode};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use kn_codec::{
+    AffineChoice, Decimation, NodePlacement, Preset, SmoothingChoice, TranslationChoice,
+    UnitOfLength,
+};
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
 use std::fmt;
@@ -11,14 +15,29 @@ use std::str::FromStr;
 
 /// Frames per second as a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct FrameRate {
-    pub(super) numerator: u32,
-    pub(super) denominator: u32,
+pub(crate) struct FrameRate {
+    pub(crate) numerator: u32,
+    pub(crate) denominator: u32,
 }
 
 impl FrameRate {
-    pub(super) fn per_second(self) -> f64 {
+    pub(crate) fn per_second(self) -> f64 {
         f64::from(self.numerator) / f64::from(self.denominator)
+    }
+}
+
+impl Default for FrameRate {
+    fn default() -> Self {
+        Self { numerator: 30, denominator: 1 }
+    }
+}
+
+impl fmt::Display for FrameRate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.denominator {
+            1 => write!(f, "{}", self.numerator),
+            denominator => write!(f, "{}/{denominator}", self.numerator),
+        }
     }
 }
 
@@ -44,7 +63,7 @@ impl FromStr for FrameRate {
 
 /// Where labels come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum LabelArgument {
+pub(crate) enum LabelArgument {
     None,
     Colours,
     Files(PathBuf),
@@ -64,7 +83,7 @@ impl FromStr for LabelArgument {
 
 impl LabelArgument {
     /// Where a single file's reader looks; files beside the meshes are added to the sequence.
-    pub(super) fn source(choice: Option<&Self>) -> LabelSource {
+    pub(crate) fn source(choice: Option<&Self>) -> LabelSource {
         match choice {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
@@ -75,7 +94,7 @@ impl LabelArgument {
 
 /// How many key nodes a group has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NodeArgument {
+pub(crate) enum NodeArgument {
     Exactly(u16),
     Auto,
 }
@@ -85,7 +104,7 @@ const MOST_NODES: usize = 512;
 
 impl NodeArgument {
     /// The number, or its bound.
-    pub(super) fn most(self) -> usize {
+    pub(crate) fn most(self) -> usize {
         match self {
             Self::Exactly(count) => count.into(),
             Self::Auto => MOST_NODES,
@@ -105,18 +124,9 @@ impl FromStr for NodeArgument {
     }
 }
 
-impl fmt::Display for NodeArgument {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Exactly(count) => count.fmt(f),
-            Self::Auto => f.write_str("auto"),
-        }
-    }
-}
-
 /// Where key nodes are put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PlacementArgument {
+pub(crate) enum PlacementArgument {
     /// Evenly, by farthest points
     Farthest,
     /// Where the motion needs them, by distance to the scans
@@ -137,7 +147,7 @@ impl From<PlacementArgument> for NodePlacement {
 
 /// What happens in a region without key nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum InfluenceArgument {
+pub(crate) enum InfluenceArgument {
     /// An error: the paper's manual mode
     Strict,
     /// The nearest nodes of any region: the paper's auto mode
@@ -155,7 +165,7 @@ impl From<InfluenceArgument> for InfluenceMode {
 
 /// Which key nodes are affine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum AffineArgument {
+pub(crate) enum AffineArgument {
     /// All nodes are rigid
     None,
     /// Those of the torso; none where the scans have no labels
@@ -177,9 +187,39 @@ impl From<AffineArgument> for AffineChoice {
     }
 }
 
+/// What translations are predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TranslationArgument {
+    /// Nothing
+    Direct,
+    /// Spatial in the first P-frame of a group, spatio-temporal in the others
+    Paper,
+    /// In every frame the mode with the fewest bits
+    Cost,
+}
+
+impl From<TranslationArgument> for TranslationChoice {
+    fn from(argument: TranslationArgument) -> Self {
+        match argument {
+            TranslationArgument::Direct => Self::Direct,
+            TranslationArgument::Paper => Self::Paper,
+            TranslationArgument::Cost => Self::Cost,
+        }
+    }
+}
+
+/// Reads `auto` or a strength.
+pub(crate) fn smoothing(text: &str) -> Result<SmoothingChoice, String> {
+    match (text, text.parse()) {
+        ("auto", _) => Ok(SmoothingChoice::Auto),
+        (_, Ok(strength @ 0..=5)) => Ok(SmoothingChoice::Strength(strength)),
+        _ => Err("smoothing is auto or 0 to 5".into()),
+    }
+}
+
 /// Unit of the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum UnitArgument {
+pub(crate) enum UnitArgument {
     Unspecified,
     M,
     Cm,
@@ -203,22 +243,54 @@ impl From<UnitArgument> for UnitOfLength {
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum UpAxis {
+pub(crate) enum UpAxis {
     X,
     Y,
     Z,
 }
 
 /// Reads the paper's name of a combination.
-pub(super) fn combination(text: &str) -> Result<Combination, String> {
+pub(crate) fn combination(text: &str) -> Result<Combination, String> {
     Combination::from_name(text).ok_or_else(|| {
         let names = Combination::ALL.map(Combination::name).join(", ");
         format!("the combinations are {names}")
     })
 }
 
+/// A preset by its name; help and errors list all of them.
+pub(crate) fn preset() -> impl TypedValueParser<Value = &'static Preset> {
+    let value = |preset: &Preset| PossibleValue::new(preset.name()).help(preset.about());
+    PossibleValuesParser::new(Preset::all().iter().map(value))
+        .try_map(|name| Preset::by_name(&name).ok_or("no such preset"))
+}
+
+/// Reads `inverse-square`, `sumner` or `gaussian:SIGMA`.
+pub(crate) fn weights(text: &str) -> Result<WeightScheme, String> {
+    let sigma = text.strip_prefix("gaussian:").map(str::parse);
+    match (text, sigma) {
+        ("inverse-square", _) => Ok(WeightScheme::InverseSquare),
+        ("sumner", _) => Ok(WeightScheme::Sumner),
+        (_, Some(Ok(sigma @ 1..))) => Ok(WeightScheme::Gaussian { sigma }),
+        _ => {
+            Err("weights are inverse-square, sumner or gaussian:SIGMA, SIGMA in grid steps".into())
+        }
+    }
+}
+
+/// Reads a number of faces, or a share of them in percent.
+pub(crate) fn face_count(text: &str) -> Result<Decimation, String> {
+    let share = text.strip_suffix('%').and_then(|percent| percent.parse::<f64>().ok());
+    match (share, text.parse()) {
+        (Some(percent), _) if percent > 0.0 && percent <= 100.0 => {
+            Ok(Decimation::Share(percent / 100.0))
+        }
+        (None, Ok(faces @ 1..)) => Ok(Decimation::Faces(faces)),
+        _ => Err("a number of faces is 1 or more, or a share such as 25%".into()),
+    }
+}
+
 /// Reads a positive length.
-pub(super) fn length(text: &str) -> Result<f64, String> {
+pub(crate) fn length(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(length) if length > 0.0 && length.is_finite() => Ok(length),
         _ => Err("a length is a positive number".into()),
@@ -250,10 +322,28 @@ mod tests {
     }
 
     #[test]
+    fn faces_are_a_number_or_a_share() {
+        assert_eq!(face_count("5000"), Ok(Decimation::Faces(5000)));
+        assert_eq!(face_count("12.5%"), Ok(Decimation::Share(0.125)));
+        for bad in ["0", "-1", "0%", "101%", "nan%", "%", "x"] {
+            assert!(face_count(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
     fn lengths_are_positive() {
         assert_eq!(length("0.5"), Ok(0.5));
         for bad in ["0", "-1", "nan", "inf", "1e999", "x"] {
             assert!(length(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn weights_go_by_name() {
+        assert_eq!(weights("sumner"), Ok(WeightScheme::Sumner));
+        assert_eq!(weights("gaussian:40"), Ok(WeightScheme::Gaussian { sigma: 40 }));
+        for bad in ["", "gaussian", "gaussian:0", "gaussian:-1", "sumner:3"] {
+            assert!(weights(bad).is_err(), "{bad}");
         }
     }
 

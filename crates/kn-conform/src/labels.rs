@@ -1,15 +1,13 @@
-//! How many nodes are affine where labels decide it (6.5), as the text says it.
+//! The labels of a group's key nodes (6.5), as the text says it.
 
-use kn_bitstream::{
-    AffineNodes, BitReader, IntraFrame, KeyNodes, KeyNodesContext, NodeSites, SequenceHeader,
-};
+use kn_bitstream::{BitReader, IntraFrame, KeyNodes, KeyNodesContext, NodeSites, SequenceHeader};
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
 
 use crate::interpret::GroupPayloads;
 
-/// The number of nodes whose label is marked, `None` for payloads that cannot be read.
-pub fn count_affine_by_label(payloads: &GroupPayloads) -> Option<u32> {
+/// The label of every key node, `None` for payloads that cannot be read.
+pub fn node_labels(payloads: &GroupPayloads) -> Option<Vec<u8>> {
     let header = SequenceHeader::read(&mut BitReader::new(&payloads.sequence_header)).ok()?;
     let level = header.limits()?;
     let intra = IntraFrame::read(&mut BitReader::new(&payloads.intra_frame)).ok()?;
@@ -23,16 +21,13 @@ pub fn count_affine_by_label(payloads: &GroupPayloads) -> Option<u32> {
         max_nodes: level.max_nodes,
     };
     let nodes = KeyNodes::read(&mut BitReader::new(&payloads.key_nodes), &context).ok()?;
-    let AffineNodes::Labels(marked) = &nodes.affine else { return None };
     let points = match &nodes.sites {
         NodeSites::Points(points) => points.clone(),
         NodeSites::Vertices(vertices) => {
             vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect()
         }
     };
-    let is_affine =
-        |point: &&[i32; 3]| marked.get(usize::from(label_at(&mesh, **point))) == Some(&true);
-    Some(points.iter().filter(is_affine).count() as u32)
+    Some(points.iter().map(|&point| label_at(&mesh, point)).collect())
 }
 
 /// The label of the closest vertex, of equally close ones the one with the lowest index.

@@ -1,0 +1,176 @@
+//! The codec's settings: flags of `kn encode` and, under the same names, keys of a `kn rd`
+//! configuration.
+
+use crate::choices::{
+    self, AffineArgument, InfluenceArgument, NodeArgument, PlacementArgument, TranslationArgument,
+};
+use crate::nearest::nearest;
+use anyhow::{Result, anyhow};
+use clap::{Args, Command, FromArgMatches};
+use kn_codec::{Decimation, EncoderConfig, GridChoice, SmoothingChoice};
+use kn_deform::{Combination, WeightScheme};
+use kn_mesh::BoundingBox;
+
+/// What the codec can be told; what is left out stays as the preset has it.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct Settings {
+    /// Bits for the longest side of the sequence's box [default: 11]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=20))]
+    bits: Option<u8>,
+    /// Step of the grid in world units, instead of --bits
+    #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
+    step: Option<f64>,
+    /// Frames in a group: an I-frame, then P-frames [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    gof: Option<u8>,
+    /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
+    #[arg(long, value_name = "N|P%", value_parser = choices::face_count)]
+    iframe_faces: Option<Decimation>,
+    /// Decimate I-frames until a vertex lies further than this from the surface, world units
+    #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
+    #[arg(value_parser = choices::length)]
+    iframe_error: Option<f64>,
+    /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: the preset's]
+    #[arg(long, value_name = "N|AUTO")]
+    nodes: Option<NodeArgument>,
+    /// Where key nodes are put [default: generated]
+    #[arg(long, value_enum)]
+    placement: Option<PlacementArgument>,
+    /// What happens in a region without key nodes: an error, or the nearest nodes of any region
+    #[arg(long, value_enum)]
+    influence: Option<InfluenceArgument>,
+    /// Which key nodes are affine: none, those of the torso, or all
+    #[arg(long, value_enum)]
+    affine: Option<AffineArgument>,
+    /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
+    #[arg(long, value_parser = choices::combination)]
+    combination: Option<Combination>,
+    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    /// [default: cost]
+    #[arg(long, value_enum)]
+    translation: Option<TranslationArgument>,
+    /// How strongly decoded I-frames are smoothed: auto, or 0 (not at all) to 5 [default: auto]
+    #[arg(long, value_name = "AUTO|N", value_parser = choices::smoothing)]
+    smoothing: Option<SmoothingChoice>,
+    /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
+    #[arg(long, value_parser = choices::weights)]
+    weights: Option<WeightScheme>,
+    /// Key nodes that move a vertex, Q [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    nodes_per_vertex: Option<u8>,
+    /// Quantiser step of translations in grid steps; the other steps follow from it [default: 1]
+    #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    motion_step: Option<f64>,
+}
+
+impl Settings {
+    /// Changes what was told; `bounds` is the box of the sequence.
+    pub(crate) fn apply(&self, config: &mut EncoderConfig, bounds: Option<BoundingBox>) {
+        let set = |setting: &mut u8, value: Option<u8>| *setting = value.unwrap_or(*setting);
+        config.grid = match (self.step, self.bits, &config.grid) {
+            (Some(step), ..) | (None, None, &GridChoice::Step { step, .. }) => {
+                GridChoice::Step { step, bounds }
+            }
+            (None, Some(bits), _) | (None, None, &GridChoice::Bits { bits, .. }) => {
+                GridChoice::Bits { bits, bounds }
+            }
+            (None, None, &GridChoice::Lossless(grid)) => GridChoice::Lossless(grid),
+        };
+        let by_error = self.iframe_error.map(Decimation::Error);
+        config.decimation = self.iframe_faces.or(by_error).or(config.decimation);
+        set(&mut config.group_length, self.gof);
+        set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
+        if let Some(nodes) = self.nodes {
+            config.nodes = nodes.most();
+            config.nodes_by_cost = nodes == NodeArgument::Auto;
+        }
+        config.placement = self.placement.map_or(config.placement, Into::into);
+        config.influence = self.influence.map_or(config.influence, Into::into);
+        config.combination = self.combination.unwrap_or(config.combination);
+        config.translation = self.translation.map_or(config.translation, Into::into);
+        config.smoothing = self.smoothing.unwrap_or(config.smoothing);
+        config.weights = self.weights.unwrap_or(config.weights);
+        config.motion_step = self.motion_step.unwrap_or(config.motion_step);
+        if let Some(affine) = self.affine {
+            config.affine = affine.into();
+        }
+    }
+
+    /// Whether a configuration may hold this key: the flags with `_` for `-`.
+    pub(crate) fn has_key(key: &str) -> bool {
+        Self::keys().iter().any(|known| known == key)
+    }
+
+    /// All keys.
+    pub(crate) fn keys() -> Vec<String> {
+        flags().get_arguments().map(|argument| argument.get_id().to_string()).collect()
+    }
+
+    /// Reads settings from a configuration; values go through the same checks as those of flags.
+    ///
+    /// # Errors
+    /// An unknown key, with the nearest known one, or a value that its flag does not take.
+    pub(crate) fn from_table(table: &toml::Table) -> Result<Self> {
+        let keys = Self::keys();
+        if let Some(unknown) = table.keys().find(|key| !keys.contains(key)) {
+            let nearest = nearest(unknown, keys.iter().map(String::as_str));
+            return Err(anyhow!("there is no setting '{unknown}'{nearest}"));
+        }
+        let matches = flags().try_get_matches_from(flags_of(table)).map_err(|e| first_line(&e))?;
+        Self::from_arg_matches(&matches).map_err(|error| first_line(&error))
+    }
+}
+
+/// The flags that set what the table sets.
+pub(crate) fn flags_of(table: &toml::Table) -> Vec<String> {
+    let text = |value: &toml::Value| match value {
+        toml::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    };
+    table
+        .iter()
+        .map(|(key, value)| format!("--{}={}", key.replace('_', "-"), text(value)))
+        .collect()
+}
+
+fn flags() -> Command {
+    Settings::augment_args(Command::new("settings").no_binary_name(true).disable_help_flag(true))
+}
+
+/// clap's message without its advice for a command line.
+fn first_line(error: &clap::Error) -> anyhow::Error {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    anyhow!("{}", line.strip_prefix("error: ").unwrap_or(line))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(toml: &str) -> Result<Settings> {
+        Settings::from_table(&toml::from_str(toml).expect("TOML"))
+    }
+
+    #[test]
+    fn keys_are_the_flags() {
+        let table = "nodes = 40\ncombination = 'RTS'\nmotion_step = 0.5\naffine = 'all'\nbits = 9";
+        let mut config = EncoderConfig::default();
+        settings(table).expect("known").apply(&mut config, None);
+        assert_eq!((config.nodes, config.motion_step), (40, 0.5));
+        assert_eq!(config.combination.name(), "RTS");
+        assert_eq!(config.affine, kn_codec::AffineChoice::All);
+        assert_eq!(config.grid, GridChoice::Bits { bits: 9, bounds: None });
+        assert_eq!(config.group_length, EncoderConfig::default().group_length);
+    }
+
+    #[test]
+    fn errors_name_the_key_and_the_nearest() {
+        let message = |toml| settings(toml).expect_err("a mistake").to_string();
+        let unknown = message("motion_stpe = 1");
+        assert_eq!(unknown, "there is no setting 'motion_stpe'; did you mean 'motion_step'?");
+        let value = message("gof = 0");
+        assert!(value.contains("'0' for '--gof <N>': 0 is not in 1..=255"), "{value}");
+        assert!(message("bits = 9\nstep = 1.0").contains("--step"), "both exclude each other");
+    }
+}

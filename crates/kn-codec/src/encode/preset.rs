@@ -1,0 +1,126 @@
+//! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
+//! ablations.
+
+use crate::encode::config::{AffineChoice, EncoderConfig, TranslationChoice};
+use kn_deform::{InfluenceMode, WeightScheme};
+
+/// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    name: &'static str,
+    about: &'static str,
+    change: fn(&mut EncoderConfig),
+}
+
+/// The only list of presets: a new one is a new entry here.
+const PRESETS: &[Preset] = &[
+    Preset {
+        name: "bimodal",
+        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights, the cheapest \
+                prediction of translations",
+        change: |_| {},
+    },
+    Preset {
+        name: "baseline",
+        about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
+                prediction of translations, its weights (Sumner's stand in for them)",
+        change: |config| {
+            config.affine = AffineChoice::None;
+            config.nodes = 2 * EncoderConfig::default().nodes;
+            config.weights = WeightScheme::Sumner;
+            config.translation = TranslationChoice::Direct;
+        },
+    },
+    Preset {
+        name: "manual",
+        about: "bimodal for labels that can be trusted: a region without a node is an error",
+        change: |config| config.influence = InfluenceMode::Strict,
+    },
+    Preset {
+        name: "rigid",
+        about: "bimodal without affine nodes",
+        change: |config| config.affine = AffineChoice::None,
+    },
+    Preset {
+        name: "affine",
+        about: "bimodal with affine nodes everywhere",
+        change: |config| config.affine = AffineChoice::All,
+    },
+    Preset {
+        name: "translation-direct",
+        about: "bimodal without prediction of translations",
+        change: |config| config.translation = TranslationChoice::Direct,
+    },
+    Preset {
+        name: "translation-paper",
+        about: "bimodal with the paper's prediction: spatial in the first P-frame of a group, \
+                spatio-temporal in the others",
+        change: |config| config.translation = TranslationChoice::Paper,
+    },
+    Preset {
+        name: "weights-sumner",
+        about: "bimodal with the earlier codec's weights (Sumner's stand in for them)",
+        change: |config| config.weights = WeightScheme::Sumner,
+    },
+    Preset {
+        name: "weights-gaussian",
+        about: "bimodal with weights exp(-d²/2σ²), which stand in for the isometric scheme",
+        change: |config| config.weights = WeightScheme::Gaussian { sigma: GAUSSIAN_SIGMA },
+    },
+];
+
+/// σ in grid steps: about half the distance between two of 150 nodes on a figure of 2^11 steps.
+const GAUSSIAN_SIGMA: u32 = 64;
+
+impl Preset {
+    /// All presets; the first is the default.
+    pub fn all() -> &'static [Self] {
+        PRESETS
+    }
+
+    /// The preset of that name.
+    pub fn by_name(name: &str) -> Option<&'static Self> {
+        PRESETS.iter().find(|preset| preset.name == name)
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What sets it apart, in a sentence.
+    pub fn about(&self) -> &'static str {
+        self.about
+    }
+
+    /// Its settings.
+    pub fn config(&self) -> EncoderConfig {
+        let mut config = EncoderConfig::default();
+        (self.change)(&mut config);
+        config
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_and_settings_differ() {
+        assert_eq!(Preset::all()[0].config(), EncoderConfig::default());
+        for (index, preset) in Preset::all().iter().enumerate() {
+            let found = Preset::by_name(preset.name()).expect("in the list");
+            assert!(std::ptr::eq(found, preset), "{} is there twice", preset.name());
+            for other in &Preset::all()[..index] {
+                assert_ne!(preset.config(), other.config(), "{}, {}", preset.name, other.name);
+            }
+        }
+        assert!(Preset::by_name("bimodal ").is_none());
+    }
+
+    #[test]
+    fn the_baseline_is_rigid_with_twice_the_nodes() {
+        let baseline = Preset::by_name("baseline").expect("in the list").config();
+        assert_eq!((baseline.nodes, baseline.affine), (300, AffineChoice::None));
+    }
+}

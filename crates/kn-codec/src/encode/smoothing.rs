@@ -1,0 +1,38 @@
+//! The encoder's choice of how strongly an I-frame is smoothed.
+
+use crate::decode::Reconstruction;
+use kn_bitstream::MAX_SMOOTHING;
+use kn_fit::FitTarget;
+
+/// Faces that the choice looks at, about.
+const SAMPLES: usize = 4000;
+/// How much farther from the scan a smoothed surface may be than the unsmoothed one. MSDM2 still
+/// falls beyond the strength with the smallest distance; see `docs/notes/smoothing.md`.
+const TOLERANCE: f64 = 1.03;
+
+/// The greatest strength whose surface is no farther from the scan than without smoothing. `scan` is
+/// in grid steps; `unit` reference units make a grid step. The reconstruction has decoded the
+/// I-frame; its reference is left at some strength.
+///
+/// Where the scan was on the grid from the start, nothing is smoothed.
+pub(crate) fn choose_smoothing(
+    reconstruction: &mut Reconstruction,
+    scan: &FitTarget,
+    unit: f64,
+) -> u8 {
+    let mut error = |strength| {
+        reconstruction.smooth(strength);
+        let reference = reconstruction.reference();
+        let faces = &reconstruction.intra().faces;
+        let stride = (faces.len() / SAMPLES).max(1);
+        // Vertices alone would make noise look larger than it is on the surface between them.
+        let centroid = |face: &[u32; 3]| -> [f64; 3] {
+            let corners = face.map(|vertex| reference[vertex as usize].map(f64::from));
+            std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / (3.0 * unit))
+        };
+        let points: Vec<[f64; 3]> = faces.iter().step_by(stride).map(centroid).collect();
+        scan.rms_distance(&points)
+    };
+    let bound = TOLERANCE * error(0);
+    (1..=MAX_SMOOTHING).rev().find(|&strength| error(strength) <= bound).unwrap_or(0)
+}

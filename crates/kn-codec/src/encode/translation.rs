@@ -1,0 +1,143 @@
+//! Translations of a P-frame: what they are predicted from, and their quantised values.
+
+use crate::decode::Translations;
+use crate::encode::config::TranslationChoice;
+use crate::encode::quantise::quantised;
+use kn_bitstream::{MotionFrame, TranslationMode, best_table, cauchy_table, translation_step};
+use kn_deform::NodeTransform;
+
+/// Translations stay inside the decoder's bound by more than half a step.
+const BOUND: f64 = 1.0e8;
+
+/// Codes the translations of `transforms` (`#N`, in reference units) into `motion`: mode, step,
+/// values, changes and table. `before` is the state of the group.
+pub(crate) fn code_translations(
+    transforms: &[NodeTransform],
+    before: &Translations,
+    choice: TranslationChoice,
+    step: u8,
+    motion: &mut MotionFrame,
+) {
+    let trials =
+        modes(choice, before).iter().map(|&mode| Trial::new(mode, transforms, before, step));
+    // Of equals the first.
+    let Some(best) = trials.min_by_key(|trial| trial.bits) else { return };
+    motion.translation_step = step;
+    motion.translation_mode = best.mode;
+    motion.translation_table = best.table;
+    motion.translation_change = best.changes;
+    motion.translation = best.values;
+}
+
+/// The modes to try in this frame.
+fn modes(choice: TranslationChoice, before: &Translations) -> &'static [TranslationMode] {
+    use TranslationMode::{Direct, Spatial, SpatioTemporal};
+    match (choice, before.dictionary()) {
+        (TranslationChoice::Direct, _) => &[Direct],
+        (TranslationChoice::Paper, None) => &[Spatial],
+        (TranslationChoice::Paper, Some(_)) => &[SpatioTemporal],
+        (TranslationChoice::Cost, None) => &[Direct, Spatial],
+        (TranslationChoice::Cost, Some(_)) => &[Direct, Spatial, SpatioTemporal],
+    }
+}
+
+/// A frame's translations in one mode.
+struct Trial {
+    mode: TranslationMode,
+    /// Of the values and the changes.
+    bits: u64,
+    table: u8,
+    changes: Vec<[i32; 3]>,
+    values: Vec<[i32; 3]>,
+}
+
+impl Trial {
+    fn new(
+        mode: TranslationMode,
+        transforms: &[NodeTransform],
+        before: &Translations,
+        step: u8,
+    ) -> Self {
+        let step = translation_step(step);
+        let (changes, change_bits) = match mode {
+            TranslationMode::SpatioTemporal => fit_changes(transforms, before),
+            TranslationMode::Direct | TranslationMode::Spatial => (Vec::new(), 0),
+        };
+        let mut values = vec![[0; 3]; transforms.len()];
+        let quantise = |node: usize, prediction: [i64; 3]| {
+            let wanted = transforms[node].translation;
+            let value = |axis: usize| {
+                let difference = wanted[axis].clamp(-BOUND, BOUND) - prediction[axis] as f64;
+                quantised(difference, step as f64, f64::INFINITY)
+            };
+            values[node] = std::array::from_fn(value);
+            let decoded = |axis: usize| prediction[axis] + i64::from(values[node][axis]) * step;
+            Ok::<_, std::convert::Infallible>(std::array::from_fn(decoded))
+        };
+        let Ok(()) = before.clone().predict(mode, &changes, quantise);
+        let (table, bits) = best_table(values.as_flattened());
+        Self { mode, bits: bits + change_bits, table, changes, values }
+    }
+}
+
+/// The change of every part since the frame before, quantised by that frame's dictionary, and the
+/// bits that the changes take.
+fn fit_changes(transforms: &[NodeTransform], before: &Translations) -> (Vec<[i32; 3]>, u64) {
+    let Some(dictionary) = before.dictionary() else { return (Vec::new(), 0) };
+    let table = cauchy_table(dictionary.table);
+    let mut bits = 0;
+    let of_part = |part: u32| {
+        let nodes = before.parts().iter().enumerate().filter(|(_, of)| u32::from(**of) == part);
+        let change = |(node, _): (usize, &u8)| -> [f64; 3] {
+            let (now, last) = (transforms[node].translation, before.decoded()[node]);
+            std::array::from_fn(|axis| now[axis].clamp(-BOUND, BOUND) - last[axis] as f64)
+        };
+        let changes: Vec<[f64; 3]> = nodes.map(change).collect();
+        let median =
+            geometric_median(&changes).map(|d| quantised(d, dictionary.step as f64, BOUND));
+        bits += median.iter().map(|&value| u64::from(table.code_length(value))).sum::<u64>();
+        median
+    };
+    let changes = (0..before.part_count()).map(of_part).collect();
+    (changes, bits)
+}
+
+/// The point whose distances to `points` have the least sum, by Weiszfeld's iteration; 0 without
+/// points.
+fn geometric_median(points: &[[f64; 3]]) -> [f64; 3] {
+    const ROUNDS: usize = 64;
+    let mean = |weight: &dyn Fn(&[f64; 3]) -> f64| {
+        let mut sum = [0.0; 3];
+        let mut total = 0.0;
+        for point in points {
+            let weight = weight(point);
+            total += weight;
+            (0..3).for_each(|axis| sum[axis] += weight * point[axis]);
+        }
+        if total > 0.0 { sum.map(|sum| sum / total) } else { [0.0; 3] }
+    };
+    let mut median = mean(&|_| 1.0);
+    for _ in 0..ROUNDS {
+        let squared =
+            |p: &[f64; 3]| (0..3).map(|k| (p[k] - median[k]) * (p[k] - median[k])).sum::<f64>();
+        // A reference unit more than the distance: no weight is infinite.
+        median = mean(&|point| 1.0 / (1.0 + squared(point).sqrt()));
+    }
+    median
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_geometric_median_ignores_an_outlier() {
+        let mut points = vec![[10.0, -20.0, 5.0]; 7];
+        points.extend([[1e6, 1e6, 0.0], [-3e5, 0.0, 1e7], [0.0; 3]]);
+        let median = geometric_median(&points);
+        for (found, wanted) in median.iter().zip([10.0, -20.0, 5.0]) {
+            assert!((found - wanted).abs() < 1.0, "{median:?}");
+        }
+        assert_eq!(geometric_median(&[]), [0.0; 3]);
+    }
+}
