@@ -3,7 +3,8 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, Decimation, Preset, SmoothingChoice, TranslationChoice, UnitOfLength,
+    AffineChoice, Decimation, NodePlacement, Preset, SmoothingChoice, TranslationChoice,
+    UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
@@ -87,6 +88,59 @@ impl LabelArgument {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
             Some(Self::None | Self::Files(_)) => LabelSource::None,
+        }
+    }
+}
+
+/// How many key nodes a group has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NodeArgument {
+    Exactly(u16),
+    Auto,
+}
+
+/// The most nodes that `auto` takes.
+const MOST_NODES: usize = 512;
+
+impl NodeArgument {
+    /// The number, or its bound.
+    pub(crate) fn most(self) -> usize {
+        match self {
+            Self::Exactly(count) => count.into(),
+            Self::Auto => MOST_NODES,
+        }
+    }
+}
+
+impl FromStr for NodeArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(count @ 1..=4096) => Ok(Self::Exactly(count)),
+            _ => Err("the number of nodes is 1 to 4096, or `auto`".into()),
+        }
+    }
+}
+
+/// Where key nodes are put.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlacementArgument {
+    /// Evenly, by farthest points
+    Farthest,
+    /// Where the motion needs them, by distance to the scans
+    Generated,
+    /// The same by MSDM2, as in the paper; slower
+    Msdm2,
+}
+
+impl From<PlacementArgument> for NodePlacement {
+    fn from(argument: PlacementArgument) -> Self {
+        match argument {
+            PlacementArgument::Farthest => Self::Farthest,
+            PlacementArgument::Generated => Self::Generated,
+            PlacementArgument::Msdm2 => Self::GeneratedByMsdm2,
         }
     }
 }
@@ -255,6 +309,15 @@ mod tests {
         assert_eq!(rate("30000/1001"), Ok((30000, 1001)));
         for bad in ["", "0", "-1", "1/0", "0/1", "x", "1.", "1e3", "1.23456", "9999999999"] {
             assert!(rate(bad).is_err() || bad == "1.", "{bad}");
+        }
+    }
+
+    #[test]
+    fn node_numbers_are_in_range() {
+        assert_eq!("150".parse(), Ok(NodeArgument::Exactly(150)));
+        assert_eq!("auto".parse(), Ok(NodeArgument::Auto));
+        for bad in ["0", "4097", "-1", "70000", "many", ""] {
+            assert!(bad.parse::<NodeArgument>().is_err(), "{bad}");
         }
     }
 

@@ -1,7 +1,9 @@
 //! The codec's settings: flags of `kn encode` and, under the same names, keys of a `kn rd`
 //! configuration.
 
-use crate::choices::{self, AffineArgument, InfluenceArgument, TranslationArgument};
+use crate::choices::{
+    self, AffineArgument, InfluenceArgument, NodeArgument, PlacementArgument, TranslationArgument,
+};
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
@@ -28,9 +30,12 @@ pub(crate) struct Settings {
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
     #[arg(value_parser = choices::length)]
     iframe_error: Option<f64>,
-    /// Key nodes in a group [default: the preset's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    nodes: Option<u16>,
+    /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: the preset's]
+    #[arg(long, value_name = "N|AUTO")]
+    nodes: Option<NodeArgument>,
+    /// Where key nodes are put [default: generated]
+    #[arg(long, value_enum)]
+    placement: Option<PlacementArgument>,
     /// What happens in a region without key nodes: an error, or the nearest nodes of any region
     #[arg(long, value_enum)]
     influence: Option<InfluenceArgument>,
@@ -84,7 +89,11 @@ impl Settings {
         config.decimation = self.iframe_faces.or(by_error).or(config.decimation);
         set(&mut config.group_length, self.gof);
         set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
-        config.nodes = self.nodes.map_or(config.nodes, usize::from);
+        if let Some(nodes) = self.nodes {
+            config.nodes = nodes.most();
+            config.nodes_by_cost = nodes == NodeArgument::Auto;
+        }
+        config.placement = self.placement.map_or(config.placement, Into::into);
         config.influence = self.influence.map_or(config.influence, Into::into);
         config.combination = self.combination.unwrap_or(config.combination);
         config.translation = self.translation.map_or(config.translation, Into::into);

@@ -5,6 +5,7 @@ use crate::coarse;
 use crate::deformed::Deformed;
 use crate::energy::{Energy, minimise};
 use crate::error::{FitError, Side};
+use crate::failure::{Outcome, Watch};
 use crate::group::{Group, mean_edge};
 use crate::matching::{Correspondences, Hints, Matches, push_matches, quantile};
 use crate::options::{FitOptions, PartStart};
@@ -52,6 +53,7 @@ pub struct Fitter {
     deformed: Deformed,
     hints: Hints,
     previous: Option<Vec<NodeTransform>>,
+    watch: Watch,
 }
 
 /// One frame's task.
@@ -73,6 +75,7 @@ impl Fitter {
         let group = Group::new(source)?;
         Ok(Self {
             form: QuadraticForm::new(&group.pattern),
+            watch: Watch::new(&group.edges, source.positions),
             group,
             factor: BlockCholesky::default(),
             observations: Observations::default(),
@@ -100,6 +103,7 @@ impl Fitter {
         let frame = Frame { source, target, options, combinations: &combinations };
         let (transforms, mut report) = self.track(frame)?;
         self.measure(frame, &mut report)?;
+        self.watch.remember(&report);
         self.previous = Some(transforms.clone());
         Ok(Fit { transforms, report })
     }
@@ -133,6 +137,7 @@ impl Fitter {
             self.measure(frame, &mut report)?;
             fits.push(Fit { transforms, report });
         }
+        fits.iter().for_each(|fit| self.watch.remember(&fit.report));
         self.previous = Some(transforms);
         Ok(fits)
     }
@@ -333,6 +338,14 @@ impl Fitter {
     fn measure(&mut self, frame: Frame, report: &mut FitReport) -> Result<(), FitError> {
         let matches = self.on_surfaces(frame, true, None)?;
         report.measure(&self.group, frame.target, &matches);
+        let outcome = Outcome {
+            group: &self.group,
+            deformed: &self.deformed,
+            target: frame.target,
+            matches: &matches,
+            report,
+        };
+        report.failure = self.watch.judge(&outcome);
         Ok(())
     }
 }

@@ -20,6 +20,8 @@ pub(crate) struct Group {
     pub(crate) elimination: Elimination,
     /// Neighbours in the smoothness term.
     pub(crate) pairs: Vec<(u16, u16)>,
+    /// Vertices and number of faces of each edge.
+    pub(crate) edges: Vec<(u32, u32, u32)>,
     pub(crate) boundary: Vec<bool>,
     /// `#V` of the first reference, see [`reach`].
     pub(crate) reach: Vec<f64>,
@@ -59,6 +61,7 @@ impl Group {
             pairs,
             boundary: boundary_vertices(source.positions.len(), &edges),
             reach: reach(source.positions, &areas, &graph),
+            edges,
             sample: Sample::spread(source.positions, &areas, SAMPLES),
             all: Sample::all(&areas),
             spacing: (total / source.nodes.len() as f64).sqrt(),

@@ -2,8 +2,8 @@
 
 use kn_deform::{BindOptions, Combination, Influence, InfluenceMode, WeightScheme, bind};
 use kn_fit::{
-    FitError, FitFailure, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeSource,
-    RegisterOptions, generate_nodes, place_farthest, register,
+    FitError, FitFailure, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount,
+    NodeSource, RankBy, RegisterOptions, generate_nodes, place_farthest, register,
 };
 use kn_mesh::performer::{Action, Performer, PerformerConfig};
 use proptest::prelude::*;
@@ -186,14 +186,49 @@ fn generated_nodes_are_as_many_as_asked_for() {
         affine: &vec![false; scene.positions.len()],
         bind: &|nodes| Ok(influence(&scene.positions, nodes)),
     };
-    let options = GenerateOptions { count: Some(60), fit: FitOptions::default() };
-    let nodes = generate_nodes(&source, &scene.target, &options).expect("nodes");
-    assert_eq!(nodes.len(), 60);
-    assert!(nodes.windows(2).all(|pair| pair[0] < pair[1]));
-    assert!([0, 1].iter().all(|&r| nodes.iter().any(|&v| regions[v as usize] == r)));
-    let free = GenerateOptions { count: None, ..options };
-    let by_cost = generate_nodes(&source, &scene.target, &free).expect("nodes");
-    assert!(!by_cost.is_empty() && by_cost.len() < scene.positions.len() / 16);
+    let options = GenerateOptions {
+        count: NodeCount::Exactly(60),
+        rank_by: RankBy::Distance,
+        fit: FitOptions::default(),
+    };
+    let nodes =
+        |options: GenerateOptions| generate_nodes(&source, &scene.target, &options).expect("nodes");
+    let sixty = nodes(options).expect("a frame that tracks");
+    assert_eq!(sixty.len(), 60);
+    assert!(sixty.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!([0, 1].iter().all(|&r| sixty.iter().any(|&v| regions[v as usize] == r)));
+    let by_msdm2 = nodes(GenerateOptions { rank_by: RankBy::Msdm2, ..options });
+    assert_eq!(by_msdm2.map(|nodes| nodes.len()), Some(60));
+    // The dearer a node, the fewer.
+    let paying = |price| {
+        let count = NodeCount::Paying { most: 100, price };
+        nodes(GenerateOptions { count, ..options }).expect("a frame that tracks").len()
+    };
+    let (cheap, dear) = (paying(0.0), paying(1e-6));
+    assert!(1 <= dear && dear < cheap && cheap <= 100, "{dear} dear nodes, {cheap} cheap ones");
+}
+
+#[test]
+fn a_key_frame_that_cannot_be_tracked_gives_no_nodes() {
+    let scene = Scene::new(11, 2000, 60, [0, 1]);
+    let moved: Points = scene.positions.iter().map(|&[x, y, z]| [x, y + 0.4, z]).collect();
+    // Only the upper half of the figure, and higher up.
+    let upper = |face: &&[u32; 3]| face.iter().all(|&v| scene.positions[v as usize][1] > 1.0);
+    let faces: Faces = scene.faces.iter().filter(upper).copied().collect();
+    let target = FitTarget::new(&moved, &faces).expect("half a figure");
+    let source = NodeSource {
+        positions: &scene.positions,
+        faces: &scene.faces,
+        regions: None,
+        affine: &vec![false; scene.positions.len()],
+        bind: &|nodes| Ok(influence(&scene.positions, nodes)),
+    };
+    let options = GenerateOptions {
+        count: NodeCount::Exactly(40),
+        rank_by: RankBy::Distance,
+        fit: FitOptions::default(),
+    };
+    assert_eq!(generate_nodes(&source, &target, &options), Ok(None));
 }
 
 #[test]

@@ -29,7 +29,8 @@ use vertex_maps::VertexMaps;
 #[command(after_help = "\
 All frames are read once before encoding begins, so that one grid fits them all and a broken scan
 is found before any work is done. Seams are welded and degenerate and duplicate faces dropped; the
-sum is printed, --report has it frame by frame.
+sum is printed, --report has it frame by frame. Where the motion does not explain a frame, a new
+group begins there, and the reason is printed.
 
 Examples:
   kn encode 'scan/*.obj' -o dance.knm
@@ -188,6 +189,8 @@ impl EncodeArguments {
             "decimation": config.decimation.map(|decimation| format!("{decimation:?}")),
             "gof": config.group_length,
             "nodes": config.nodes,
+            "nodes_by_cost": config.nodes_by_cost,
+            "placement": format!("{:?}", config.placement).to_lowercase(),
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", config.influence).to_lowercase(),
             "affine": affine_name(&config.affine),

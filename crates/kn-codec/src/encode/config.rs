@@ -49,6 +49,19 @@ pub enum AffineChoice {
     All,
 }
 
+/// Where key nodes are put.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NodePlacement {
+    /// Evenly over the surface of the I-frame, by farthest points.
+    Farthest,
+    /// Where the motion to a later frame of the group needs them: the key-node generator of the
+    /// bi-modal paper, with new nodes where the distance is largest.
+    #[default]
+    Generated,
+    /// The same with new nodes where MSDM2 is highest, as in the paper; slower.
+    GeneratedByMsdm2,
+}
+
 /// How strongly I-frames are smoothed within their grid's uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SmoothingChoice {
@@ -93,6 +106,11 @@ pub struct EncoderConfig {
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
     pub nodes: usize,
+    /// Whether each group has only the nodes that pay for their bytes, at most `nodes`. They are
+    /// generated then.
+    pub nodes_by_cost: bool,
+    /// Where the nodes are put.
+    pub placement: NodePlacement,
     /// Frames per second as numerator and denominator.
     pub frame_rate: (u32, u32),
     /// Unit of the world coordinates.
@@ -138,6 +156,8 @@ impl Default for EncoderConfig {
             vertex_maps: false,
             group_length: 8,
             nodes: 150,
+            nodes_by_cost: false,
+            placement: NodePlacement::default(),
             frame_rate: (30, 1),
             unit: UnitOfLength::Unspecified,
             up_axis: 1,

@@ -70,7 +70,7 @@ impl<W: Write> Encoder<W> {
         self.pending.push(mesh.clone());
         self.frame += 1;
         if self.pending.len() == usize::from(self.config.group_length) {
-            self.flush_group()?;
+            self.encode_group()?;
         }
         Ok(())
     }
@@ -86,7 +86,9 @@ impl<W: Write> Encoder<W> {
     /// # Errors
     /// No frame was pushed; as for [`Self::push`].
     pub fn finish(mut self) -> Result<Finished<W>, EncodeError> {
-        self.flush_group()?;
+        while !self.pending.is_empty() {
+            self.encode_group()?;
+        }
         if self.groups.is_none() {
             return Err(EncodeError::Config("a sequence has at least one frame".into()));
         }
@@ -99,7 +101,9 @@ impl<W: Write> Encoder<W> {
         Ok(Finished { writer: self.writer, summary: self.summary, reports: self.reports })
     }
 
-    fn flush_group(&mut self) -> Result<(), EncodeError> {
+    /// Encodes and writes a group that begins with the first pending frame. It ends before a frame
+    /// that its motion does not explain, which then stays pending with those after it.
+    fn encode_group(&mut self) -> Result<(), EncodeError> {
         let Some(first) = self.pending.first() else { return Ok(()) };
         self.units.clear();
         let groups = match &mut self.groups {
@@ -116,13 +120,14 @@ impl<W: Write> Encoder<W> {
         let start = self.units.len();
         let reported = self.reports.len();
         let first_index = self.frame - self.pending.len() as u64;
-        groups.encode(&self.pending, first_index, &mut self.units, &mut self.reports)?;
+        let coded =
+            groups.encode(&self.pending, first_index, &mut self.units, &mut self.reports)?;
         let bytes = u32::try_from(self.units.len() - start).map_err(|_| EncodeError::Input {
             frame: first_index,
             reason: "the group of frames is larger than 4 GiB".into(),
         })?;
-        self.index.groups.push(IndexGroup { bytes, frames: self.pending.len() as u8 });
-        self.pending.clear();
+        self.index.groups.push(IndexGroup { bytes, frames: coded as u8 });
+        self.pending.drain(..coded);
         for report in &self.reports[reported..] {
             self.summary.frames += 1;
             match report.kind {

@@ -6,13 +6,14 @@ use crate::digest::{faces_digest, positions_digest};
 use crate::encode::config::{EncoderConfig, GridChoice, SmoothingChoice};
 use crate::encode::decimate::decimate;
 use crate::encode::motion::{MotionEncoder, fit_target};
-use crate::encode::nodes::choose_key_nodes;
+use crate::encode::nodes::NodeChooser;
 use crate::encode::report::FrameReport;
 use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
 use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader};
+use kn_fit::{FitError, FitTarget};
 use kn_mesh::{Grid, GridMesh, Mesh};
 
 /// Encodes groups of frames of one sequence, one after the other.
@@ -24,6 +25,8 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     payload: Vec<u8>,
     motion: MotionEncoder,
+    /// Why the last group ended early.
+    reason: Option<String>,
 }
 
 impl GroupEncoder {
@@ -36,6 +39,7 @@ impl GroupEncoder {
             header,
             intra_decoder: IntraDecoder::default(),
             payload: Vec::new(),
+            reason: None,
         }
     }
 
@@ -44,8 +48,9 @@ impl GroupEncoder {
         self.header.labels != LabelSet::None
     }
 
-    /// Appends the units of a group to `out` and a report per frame to `reports`. `first` is the
-    /// index of the group's first frame.
+    /// Appends the units of a group to `out` and a report per frame to `reports`; returns the
+    /// number of frames in the group, which ends before a frame that its motion does not explain.
+    /// `first` is the index of the group's first frame.
     ///
     /// # Errors
     /// A frame that cannot be coded.
@@ -55,13 +60,14 @@ impl GroupEncoder {
         first: u64,
         out: &mut Vec<u8>,
         reports: &mut Vec<FrameReport>,
-    ) -> Result<(), EncodeError> {
-        let [intra, predicted @ ..] = frames else { return Ok(()) };
+    ) -> Result<usize, EncodeError> {
+        let [intra, predicted @ ..] = frames else { return Ok(0) };
         reports.push(self.encode_intra_frame(intra, first, out)?);
         if predicted.is_empty() {
-            return Ok(());
+            return Ok(1);
         }
-        let node_bytes = self.encode_key_nodes(first + 1, out)?;
+        let intra_end = out.len();
+        let node_bytes = self.encode_key_nodes(predicted, first + 1, out)?;
         self.motion.begin();
         let grid = self.grid;
         let mut target = fit_target(&predicted[0], grid, first + 1)?;
@@ -74,7 +80,13 @@ impl GroupEncoder {
                 || self.encode_motion_frame(&target, faces, index, out),
                 || next.map(|mesh| fit_target(mesh, grid, index + 1)).transpose(),
             );
-            let mut report = report?;
+            let Some(mut report) = report? else {
+                if offset == 0 {
+                    // Key nodes without a P-frame would be of no use.
+                    out.truncate(intra_end);
+                }
+                return Ok(1 + offset);
+            };
             if offset == 0 {
                 report.node_bytes = node_bytes;
                 report.bytes += node_bytes;
@@ -84,7 +96,7 @@ impl GroupEncoder {
                 target = next_target;
             }
         }
-        Ok(())
+        Ok(frames.len())
     }
 
     fn encode_intra_frame(
@@ -141,7 +153,7 @@ impl GroupEncoder {
                 None => encoding.vertex_map,
             }),
             fit_rms: 0.0,
-            warning: None,
+            reason: self.reason.take(),
         })
     }
 
@@ -169,10 +181,20 @@ impl GroupEncoder {
     }
 
     /// Chooses, codes and places the group's key nodes; returns the bytes of their unit.
-    fn encode_key_nodes(&mut self, frame: u64, out: &mut Vec<u8>) -> Result<u64, EncodeError> {
+    /// `predicted` are the group's P-frames, of which the first has index `frame`.
+    fn encode_key_nodes(
+        &mut self,
+        predicted: &[Mesh],
+        frame: u64,
+        out: &mut Vec<u8>,
+    ) -> Result<u64, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame, reason };
-        let nodes = choose_key_nodes(&self.config, &self.header, self.reconstruction.intra())
-            .map_err(|error| input(error.to_string()))?;
+        let grid = self.grid;
+        let target = |offset: usize| fit_target(&predicted[offset], grid, frame + offset as u64);
+        let intra = self.reconstruction.intra();
+        let chooser = NodeChooser::new(&self.config, &self.header.labels, intra);
+        let fail = |error: FitError| input(error.to_string());
+        let nodes = chooser.choose(predicted.len(), target, fail)?;
         self.reconstruction.place(&nodes).map_err(|rule| match self.bare_part() {
             Some(part) => input(format!("{}: there is none for {part}", broken(rule))),
             None => input(broken(rule)),
@@ -191,15 +213,20 @@ impl GroupEncoder {
         kn_bitstream::BODY_LABELS.get(usize::from(*bare)).map(|(name, _)| *name)
     }
 
+    /// A P-frame; `None`, with nothing coded, where the motion does not explain it.
     fn encode_motion_frame(
         &mut self,
-        target: &kn_fit::FitTarget,
+        target: &FitTarget,
         input_faces: u32,
         index: u64,
         out: &mut Vec<u8>,
-    ) -> Result<FrameReport, EncodeError> {
+    ) -> Result<Option<FrameReport>, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
         let fit = self.motion.fit(&self.reconstruction, target).map_err(input)?;
+        self.reason = fit.report.failure.map(|failure| failure.to_string());
+        if self.reason.is_some() {
+            return Ok(None);
+        }
         let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
         self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
@@ -208,7 +235,7 @@ impl GroupEncoder {
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
-        Ok(FrameReport {
+        Ok(Some(FrameReport {
             index,
             kind: FrameKind::Predicted,
             bytes: append_unit(out, unit::MOTION_FRAME, bits),
@@ -222,8 +249,8 @@ impl GroupEncoder {
             decimation_error: 0.0,
             vertex_map: None,
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
-            warning: fit.report.failure.map(|failure| failure.to_string()),
-        })
+            reason: None,
+        }))
     }
 }
 

@@ -14,8 +14,8 @@ mod smoothing;
 mod translation;
 
 pub use config::{
-    AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
-    TranslationChoice,
+    AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern, NodePlacement,
+    SmoothingChoice, TranslationChoice,
 };
 pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};

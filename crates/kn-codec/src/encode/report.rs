@@ -36,8 +36,8 @@ pub struct FrameReport {
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,
-    /// What the motion does not explain, or what had to be changed.
-    pub warning: Option<String>,
+    /// Why this I-frame begins its group early: what the motion could not explain.
+    pub reason: Option<String>,
 }
 
 /// What became of the sequence.

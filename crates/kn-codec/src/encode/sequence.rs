@@ -1,6 +1,8 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{Decimation, EncoderConfig, GridChoice, SmoothingChoice};
+use crate::encode::config::{
+    Decimation, EncoderConfig, GridChoice, NodePlacement, SmoothingChoice,
+};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
@@ -59,6 +61,8 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     require(header.max_group_length > 0, "a group of frames has at least one frame")?;
     require((1..=8).contains(&header.nodes_per_vertex), "nodes per vertex are 1 to 8")?;
     require(config.nodes > 0, "there must be a key node")?;
+    let evenly = config.placement == NodePlacement::Farthest;
+    require(!(config.nodes_by_cost && evenly), "nodes by cost are generated, not spread evenly")?;
     if let SmoothingChoice::Strength(strength) = config.smoothing {
         require(strength <= kn_bitstream::MAX_SMOOTHING, "smoothing is 0 to 5")?;
     }

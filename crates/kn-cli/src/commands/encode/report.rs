@@ -42,7 +42,7 @@ struct CodedEntry {
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
-    warning: Option<String>,
+    reason: Option<String>,
 }
 
 impl Report {
@@ -71,15 +71,16 @@ impl Report {
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
-            warning: frame.warning,
+            reason: frame.reason,
         });
     }
 
-    /// Tells the user the sum, and every warning.
+    /// Tells the user the sum, and why I-frames came early.
     pub(super) fn tell(&self, summary: &Summary, seconds: f64, name: &str, global: &Global) {
         for (index, frame) in self.frames.iter().enumerate() {
-            if let Some(warning) = frame.coded.as_ref().and_then(|coded| coded.warning.as_ref()) {
-                global.note(format_args!("{}: frame {index}: {warning}", frame.file.display()));
+            if let Some(reason) = frame.coded.as_ref().and_then(|coded| coded.reason.as_ref()) {
+                let file = frame.file.display();
+                global.note(format_args!("{file}: frame {index}: a new I-frame, since {reason}"));
             }
         }
         if self.cleaned.changed() {
@@ -112,8 +113,8 @@ impl Report {
             after += u64::from(coded.faces);
             error = error.max(coded.decimation_error);
         }
-        if frames > 0 {
-            let (before, after) = (grouped(before / frames), grouped(after / frames));
+        let mean = |sum: u64| sum.checked_div(frames).map(grouped);
+        if let (Some(before), Some(after)) = (mean(before), mean(after)) {
             global.note(format_args!(
                 "decimated: {before} faces of an I-frame to {after}, vertices at most {error:.3e} away"
             ));
