@@ -8,7 +8,7 @@
 //! 11 of `../shared/data/dancer`, and where that is absent a few of the performer.
 
 use anyhow::{Context, Result, ensure};
-use kn_codec::{AffineChoice, Decoder, Encoder, EncoderConfig, GridChoice};
+use kn_codec::{AffineChoice, Decoder, Encoder, EncoderConfig, GridChoice, NodePlacement};
 use kn_deform::WeightScheme;
 use kn_fit::segment::{SegmentOptions, Segmenter, TORSO};
 use kn_mesh::io::{Inputs, ReadOptions};
@@ -27,24 +27,28 @@ struct Setting {
     nodes: usize,
     affine: AffineChoice,
     weights: WeightScheme,
+    placement: NodePlacement,
     labelled: bool,
 }
 
 fn settings() -> Vec<Setting> {
     use WeightScheme::{InverseSquare, Sumner};
-    let row = |name, nodes, weights, affine: AffineChoice| {
+    use NodePlacement::{Farthest, Generated};
+    let row = |name, nodes, weights, placement, affine: AffineChoice| {
         let labelled = matches!(affine, AffineChoice::Labels(_));
-        Setting { name, nodes, affine, weights, labelled }
+        Setting { name, nodes, affine, weights, placement, labelled }
     };
     let torso = || AffineChoice::Labels(vec![TORSO]);
     vec![
-        row("rigid, 300 nodes, Sumner", 300, Sumner, AffineChoice::None),
-        row("rigid, 300 nodes", 300, InverseSquare, AffineChoice::None),
-        row("rigid, 150 nodes", 150, InverseSquare, AffineChoice::None),
-        row("affine torso, 150 nodes", 150, InverseSquare, torso()),
-        row("affine torso, 150 nodes, Sumner", 150, Sumner, torso()),
-        row("all affine, 150 nodes", 150, InverseSquare, AffineChoice::All),
-        row("all affine, 150 nodes, Sumner", 150, Sumner, AffineChoice::All),
+        row("rigid, 300 farthest nodes, Sumner", 300, Sumner, Farthest, AffineChoice::None),
+        row("rigid, 300 farthest nodes", 300, InverseSquare, Farthest, AffineChoice::None),
+        row("rigid, 150 farthest nodes", 150, InverseSquare, Farthest, AffineChoice::None),
+        row("rigid, 150 nodes", 150, InverseSquare, Generated, AffineChoice::None),
+        row("affine torso, 150 farthest nodes", 150, InverseSquare, Farthest, torso()),
+        row("affine torso, 150 nodes", 150, InverseSquare, Generated, torso()),
+        row("affine torso, 150 nodes, Sumner", 150, Sumner, Generated, torso()),
+        row("all affine, 150 nodes", 150, InverseSquare, Generated, AffineChoice::All),
+        row("all affine, 150 nodes, Sumner", 150, Sumner, Generated, AffineChoice::All),
     ]
 }
 
@@ -112,6 +116,7 @@ fn code(frames: &[Mesh], setting: &Setting, bounds: BoundingBox) -> Result<(u64,
         nodes: setting.nodes,
         affine: setting.affine.clone(),
         weights: setting.weights,
+        placement: setting.placement,
         ..EncoderConfig::default()
     };
     let mut encoder = Encoder::new(Vec::new(), config)?;

@@ -23,7 +23,7 @@ const GAP: f64 = 0.01;
 const GAPING: f64 = 0.25;
 /// A frame is not explained when the torn edges, side by side, are as long as this share of the
 /// diagonal: they cross a tear, and its length is the sum of theirs before.
-const TEAR: f64 = 0.06;
+const TEAR: f64 = 0.12;
 /// ... or when this share of the area of either mesh found no partner,
 const UNMATCHED: f64 = 0.05;
 /// ... or when the 95th percentile of the distances is this many times that of any earlier frame
