@@ -22,8 +22,7 @@ pub use huffman::{CauchyTable, TABLE_COUNT, best_table, cauchy_table};
 pub use index::{Index, IndexGroup, TAIL_BYTES, index_size};
 pub use level::{COORDINATE_LIMIT, Level};
 pub use motion::{
-    Components, MotionContext, MotionFrame, TRANSLATION_LIMIT, TranslationMode, parameter_step,
-    translation_step,
+    Components, MotionContext, MotionFrame, TranslationMode, parameter_step, translation_step,
 };
 pub use nodes::{AffineNodes, KeyNodes, KeyNodesContext, NodeSites};
 pub use reader::{BitReader, HUFFMAN_VALUE_LIMIT, RICE_UNARY_LIMIT, UE_UNARY_LIMIT};

@@ -126,8 +126,6 @@ pub fn parameter_step(s: u8) -> i64 {
     i64::from(4 + s % 4) << (s / 4)
 }
 
-/// Translations are smaller than this in magnitude, in units of 2^-`fraction_bits` grid steps.
-pub const TRANSLATION_LIMIT: i64 = 1 << 28;
 /// 1 in units of [`parameter_step`].
 const ONE: i64 = 1 << 16;
 

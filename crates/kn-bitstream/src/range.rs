@@ -37,6 +37,13 @@ const fn rate(seen: usize, limit_shift: usize) -> u16 {
     (if mean > limit { mean as u16 } else { limit as u16 }) >> 1
 }
 
+/// Most bits of a gamma value behind the leading one: any value fits an `i32`, with a bit to spare for
+/// what is added to it.
+const GAMMA_PLACES: usize = 30;
+
+/// The models of a gamma value, by place.
+pub type GammaModels = [BitModel; GAMMA_PLACES];
+
 /// The adaptive probability of one binary decision: the mean of a fast and a slow estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitModel {
@@ -89,12 +96,14 @@ pub trait BinaryCoder {
     fn raw(&mut self, value: u32, count: u32) -> u32;
 }
 
-/// Codes `value` < 2^31 as the length of `value + 1` in bits, less one, in unary with a model per
+/// Codes `value` < 2^31 − 1 as the length of `value + 1` in bits, less one, in unary with a model per
 /// place, then the bits behind the leading one, raw. (Elias' gamma code with a learnt prefix.)
-pub fn code_gamma<C: BinaryCoder>(coder: &mut C, models: &mut [BitModel; 32], value: u32) -> u32 {
+pub fn code_gamma<C: BinaryCoder>(coder: &mut C, models: &mut GammaModels, value: u32) -> u32 {
     let written = value.saturating_add(1);
     let mut extra = 0u32;
-    while extra < 31 && coder.bit(&mut models[extra as usize], written >> (extra + 1) != 0) {
+    while extra < GAMMA_PLACES as u32
+        && coder.bit(&mut models[extra as usize], written >> (extra + 1) != 0)
+    {
         extra += 1;
     }
     let high = extra.saturating_sub(RAW_LIMIT);

@@ -65,7 +65,7 @@ rules! {
     MOTION_TRANSLATION_FIRST = "motion.translation.first", "the first P-frame of a group is not predicted from the frame before";
     MOTION_ENABLED_AFFINE = "motion.enabled.affine", "no component is enabled where no node is affine";
     MOTION_TABLE_RANGE = "motion.table.range", "a Huffman table index is 0 to 47";
-    MOTION_TRANSLATION_RANGE = "motion.translation.range", "a translation is below 2^28 in magnitude";
+    MOTION_TRANSLATION_RANGE = "motion.translation.range", "a translation is below 2^20 grid steps in magnitude";
     MOTION_ROTATION_RANGE = "motion.rotation.range", "an angle is at most 4 in magnitude";
     MOTION_SCALE_RANGE = "motion.scale.range", "a scale is greater than 0 and at most 8";
     MOTION_SHEAR_RANGE = "motion.shear.range", "a shear is at most 8 in magnitude";

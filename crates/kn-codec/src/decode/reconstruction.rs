@@ -141,10 +141,10 @@ impl Reconstruction {
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
     pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
-        self.translations.decode(motion)?;
+        let limit = Grid::LIMIT << self.fraction_bits;
+        self.translations.decode(motion, i64::from(limit))?;
         let translations = self.translations.decoded();
         decode_transforms(motion, &self.nodes.affine, translations, &mut self.transforms);
-        let limit = Grid::LIMIT << self.fraction_bits;
         self.deformer
             .deform(
                 &self.reference,

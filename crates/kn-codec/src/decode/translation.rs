@@ -2,13 +2,13 @@
 //! 7.4). The encoder runs the same prediction with its own quantiser in the loop.
 
 use crate::decode::path::Visit;
-use kn_bitstream::{MotionFrame, TRANSLATION_LIMIT, TranslationMode, rule, translation_step};
+use kn_bitstream::{MotionFrame, TranslationMode, rule, translation_step};
 
 /// The translations of the last P-frame of a group, and what the next is predicted with.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Translations {
-    /// `#N × 3`, in reference units, each below 2^28 in magnitude; undefined before the first
-    /// P-frame.
+    /// `#N × 3`, in reference units, each below 2^20 grid steps in magnitude; undefined before the
+    /// first P-frame.
     decoded: Vec<[i64; 3]>,
     /// How the last P-frame was coded; `None` before the first of the group.
     dictionary: Option<Dictionary>,
@@ -64,17 +64,17 @@ impl Translations {
         &self.parts
     }
 
-    /// Decodes a P-frame's translations.
+    /// Decodes a P-frame's translations, each below `limit` in magnitude.
     ///
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
-    pub(crate) fn decode(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
+    pub(crate) fn decode(&mut self, motion: &MotionFrame, limit: i64) -> Result<(), &'static str> {
         let step = translation_step(motion.translation_step);
         // Values are below 2^20 and steps below 2^16, so that nothing here overflows.
         let add = |node: usize, prediction: [i64; 3]| {
             let values = motion.translation[node];
             let sum = |axis: usize| prediction[axis] + i64::from(values[axis]) * step;
-            inside(std::array::from_fn(sum))
+            inside(std::array::from_fn(sum), limit)
         };
         self.predict(motion.translation_mode, &motion.translation_change, add)?;
         self.dictionary = Some(Dictionary { step, table: motion.translation_table });
@@ -120,8 +120,8 @@ impl Translations {
 }
 
 /// Spec rule `motion.translation.range`.
-fn inside(translation: [i64; 3]) -> Result<[i64; 3], &'static str> {
-    if translation.iter().all(|t| t.abs() < TRANSLATION_LIMIT) {
+fn inside(translation: [i64; 3], limit: i64) -> Result<[i64; 3], &'static str> {
+    if translation.iter().all(|t| t.abs() < limit) {
         Ok(translation)
     } else {
         Err(rule::MOTION_TRANSLATION_RANGE)
@@ -141,6 +141,9 @@ mod tests {
         }
     }
 
+    /// That of eight fraction bits.
+    const LIMIT: i64 = 1 << 28;
+
     fn three_nodes() -> Translations {
         let mut translations = Translations::default();
         let visit = |node, from| Visit { node, from };
@@ -155,8 +158,9 @@ mod tests {
         let values = [[1, 0, 0], [0, 0, -1], [0, 5, 0]];
         // Step 8 has four units.
         let frame = frame(TranslationMode::Spatial, 8, &values);
-        assert_eq!(translations.decode(&frame), Ok(()));
+        assert_eq!(translations.decode(&frame, 21), Ok(()));
         assert_eq!(translations.decoded(), [[4, 20, 0], [0, 20, -4], [0, 20, 0]]);
+        assert_eq!(translations.decode(&frame, 20), Err(rule::MOTION_TRANSLATION_RANGE));
     }
 
     #[test]
@@ -164,11 +168,11 @@ mod tests {
         let mut translations = three_nodes();
         assert_eq!(translations.part_count(), 2);
         let first = frame(TranslationMode::Direct, 8, &[[1, 0, 0], [2, 0, 0], [3, 0, 0]]);
-        assert_eq!(translations.decode(&first), Ok(()));
+        assert_eq!(translations.decode(&first, LIMIT), Ok(()));
         let mut second = frame(TranslationMode::SpatioTemporal, 4, &[[0, 0, 1], [0; 3], [0; 3]]);
         // Part 0 is label 4, part 1 label 9.
         second.translation_change = vec![[0, 10, 0], [0, -1, 0]];
-        assert_eq!(translations.decode(&second), Ok(()));
+        assert_eq!(translations.decode(&second, LIMIT), Ok(()));
         assert_eq!(translations.decoded(), [[4, -4, 2], [8, 40, 0], [12, -4, 0]]);
     }
 
@@ -178,8 +182,8 @@ mod tests {
         // 4681 × 57344 is just inside 2^28.
         let values = [[0; 3], [0; 3], [4681, 0, 0]];
         let last = frame(TranslationMode::Spatial, 63, &values);
-        assert_eq!(translations.decode(&last), Ok(()));
+        assert_eq!(translations.decode(&last, LIMIT), Ok(()));
         let next = frame(TranslationMode::Spatial, 63, &[[1, 0, 0], [0; 3], [4681, 0, 0]]);
-        assert_eq!(translations.decode(&next), Err(rule::MOTION_TRANSLATION_RANGE));
+        assert_eq!(translations.decode(&next, LIMIT), Err(rule::MOTION_TRANSLATION_RANGE));
     }
 }

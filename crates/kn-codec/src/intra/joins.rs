@@ -3,7 +3,7 @@
 
 use super::conquest::{Conquest, NONE};
 use super::rule::{self, Rule};
-use kn_bitstream::range::{BinaryCoder, BitModel, RAW_LIMIT, code_gamma};
+use kn_bitstream::range::{BinaryCoder, GammaModels, RAW_LIMIT, code_gamma};
 
 /// Codes which vertices of the conquest repeat an earlier one: `(copy, earlier)`, copies ascending.
 /// `joins` has the right length; an encoder brings its content. Ties them in `twin` (`#M`) and
@@ -15,8 +15,8 @@ pub(super) fn code_joins<C: BinaryCoder>(
     twin: &mut [u32],
     number: &mut [u32],
 ) -> Result<(), Rule> {
-    let mut gaps = [BitModel::default(); 32];
-    let mut depths = [BitModel::default(); 32];
+    let mut gaps = GammaModels::default();
+    let mut depths = GammaModels::default();
     let mut first_free = 0u32;
     for join in joins {
         let gap = code_gamma(coder, &mut gaps, join.0.wrapping_sub(first_free));

@@ -3,7 +3,7 @@
 //! (`spec/05-intra.md`).
 
 use super::rule::{self, Rule};
-use kn_bitstream::range::{BinaryCoder, BitModel, RAW_LIMIT, code_gamma};
+use kn_bitstream::range::{BinaryCoder, BitModel, GammaModels, RAW_LIMIT, code_gamma};
 use kn_mesh::Grid;
 
 /// Gaps up to this are told apart.
@@ -18,13 +18,14 @@ pub(super) struct Lattice {
 /// Models of the gaps between values: by the two gaps before, is it longer than so much.
 struct GapModels {
     longer: [[[BitModel; GAPS]; GAPS + 1]; GAPS + 1],
-    escaped: [BitModel; 32],
+    escaped: GammaModels,
 }
 
 impl GapModels {
     fn new() -> Self {
         let model = BitModel::default();
-        Self { longer: [[[model; GAPS]; GAPS + 1]; GAPS + 1], escaped: [model; 32] }
+        let longer = [[[model; GAPS]; GAPS + 1]; GAPS + 1];
+        Self { longer, escaped: GammaModels::default() }
     }
 
     /// Codes a gap ≥ 1 that follows gaps `before` (the nearer first).
@@ -51,7 +52,7 @@ impl Lattice {
         vertices: u32,
     ) -> Result<(), Rule> {
         let mut models = GapModels::new();
-        let mut counts = [BitModel::default(); 32];
+        let mut counts = GammaModels::default();
         for values in &mut self.values {
             let count = code_gamma(coder, &mut counts, values.len() as u32);
             if count == 0 || count > vertices {
@@ -60,6 +61,9 @@ impl Lattice {
             let least = values.first().map_or(0, |&least| (least + Grid::LIMIT) as u32);
             let high = coder.raw(least >> RAW_LIMIT, 5) << RAW_LIMIT;
             let least = (high | coder.raw(least, RAW_LIMIT)) as i32 - Grid::LIMIT;
+            if least.abs() >= Grid::LIMIT {
+                return Err(rule::LATTICE);
+            }
             let known = std::mem::replace(values, vec![least]);
             let mut before = [0; 2];
             for rank in 1..count as usize {

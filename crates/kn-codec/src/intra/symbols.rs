@@ -2,7 +2,7 @@
 //! from (`spec/05-intra.md`).
 
 use super::conquest::{Conquest, Symbol};
-use kn_bitstream::range::{BinaryCoder, BitModel, RAW_LIMIT, code_gamma};
+use kn_bitstream::range::{BinaryCoder, BitModel, GammaModels, RAW_LIMIT, code_gamma};
 
 /// Valences from 1 to this minus 1 have models of their own; larger ones are escaped.
 const ESCAPED_VALENCE: u32 = 16;
@@ -19,9 +19,9 @@ pub(super) struct SymbolModels {
     is_right: BitModel,
     is_merge: BitModel,
     is_backward: BitModel,
-    split_steps: [BitModel; 32],
+    split_steps: GammaModels,
     valence: [ValenceModels; VALENCE_CONTEXTS],
-    dummy_valence: [BitModel; 32],
+    dummy_valence: GammaModels,
 }
 
 impl Default for SymbolModels {
@@ -35,9 +35,9 @@ impl Default for SymbolModels {
             is_right: model,
             is_merge: model,
             is_backward: model,
-            split_steps: [model; 32],
+            split_steps: GammaModels::default(),
             valence: [ValenceModels::default(); VALENCE_CONTEXTS],
-            dummy_valence: [model; 32],
+            dummy_valence: GammaModels::default(),
         }
     }
 }
@@ -144,7 +144,7 @@ struct ValenceModels {
     is_less: BitModel,
     less_than: [BitModel; 6],
     more_than: [BitModel; ESCAPED_VALENCE as usize],
-    escaped: [BitModel; 32],
+    escaped: GammaModels,
 }
 
 impl Default for ValenceModels {
@@ -155,7 +155,7 @@ impl Default for ValenceModels {
             is_less: model,
             less_than: [model; 6],
             more_than: [model; ESCAPED_VALENCE as usize],
-            escaped: [model; 32],
+            escaped: GammaModels::default(),
         }
     }
 }

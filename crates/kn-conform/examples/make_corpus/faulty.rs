@@ -225,6 +225,18 @@ const MOTION: &[Fault] = &[
     ("translation_huge", "motion.translation.range", "A product that leaves 29 bits.", |t| {
         t.set("translation_step", 0, "63").set("translation", 0, "4682 0*5")
     }),
+    (
+        "translation_grid",
+        "motion.translation.range",
+        "2^20 grid steps, whatever the fraction.",
+        |t| {
+            t.set("fraction_bits", 0, "0").set("translation_step", 0, "4").set(
+                "translation",
+                0,
+                "524288 0*5",
+            )
+        },
+    ),
     ("value_huge", "descriptor.huffman.range", "An escaped value of 2^20.", |t| {
         t.set("translation", 0, "1048576 0*5")
     }),

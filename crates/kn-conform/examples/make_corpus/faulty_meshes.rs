@@ -9,6 +9,7 @@ use kn_mesh::{GridMesh, Mesh};
 use crate::Draft;
 use crate::meshes::{ellipsoid, opened, torus, twins};
 use crate::texts::{HEADER, INDEX, MOTION, intra_unit, knotted, payload_of, strip};
+use crate::uncommon_meshes::lattice_payload;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let unlabelled = payload_of(&strip(8, None))?;
@@ -16,6 +17,12 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let mut drafts = vec![
         draft("labels_absent", "intra.labels.present", "Labels promised, none there.", &unlabelled),
         draft("label_range", "intra.labels.range", "Label 15 of 15.", &strange),
+        draft(
+            "lattice_least",
+            "intra.geometry.lattice",
+            "The least value of a lattice is −2^20: its magnitude is one too large.",
+            &lattice_payload([&[-(1 << 20), 0], &[0], &[0]], &[[1, 0, 0]]),
+        ),
         nodes_on_nothing()?,
     ];
     for (rule, payload) in damaged_payloads()? {

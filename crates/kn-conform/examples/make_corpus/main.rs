@@ -8,8 +8,11 @@ mod core_streams;
 mod faulty;
 mod faulty_meshes;
 mod meshes;
+mod shapes;
 mod texts;
 mod uncommon;
+mod uncommon_meshes;
+mod uncommon_motion;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -44,8 +47,8 @@ fn make() -> Result<(), Box<dyn Error>> {
     let corpus = spec_folder.join("conformance");
     let folders = [
         ("core", core_streams::drafts(&spec)?),
-        ("uncommon", uncommon::drafts()?),
-        ("faulty", [faulty::drafts()?, faulty_meshes::drafts()?].concat()),
+        ("uncommon", uncommon_drafts()?),
+        ("faulty", faulty_drafts()?),
     ];
     let mut failures = Vec::new();
     for (folder, drafts) in folders {
@@ -61,6 +64,15 @@ fn make() -> Result<(), Box<dyn Error>> {
         }
     }
     if failures.is_empty() { Ok(()) } else { Err(failures.join("\n").into()) }
+}
+
+fn uncommon_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+    let lists = [uncommon::drafts()?, uncommon_meshes::drafts()?, uncommon_motion::drafts()?];
+    Ok(lists.concat())
+}
+
+fn faulty_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+    Ok([faulty::drafts()?, faulty_meshes::drafts()?, uncommon_motion::faulty()?].concat())
 }
 
 /// Writes a stream's three files, if our decoder finds of it what the draft says.

@@ -92,7 +92,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     );
     add(
         "largest_table",
-        "Table 47 has codes of 18 bits.",
+        "Table 47 has codes of 20 bits, the longest there are.",
         &["descriptor.huffman.lengths", "descriptor.huffman.codes", "descriptor.huffman.symbols"],
         base.clone().set("translation_step", 0, "0").set("translation_table", 0, "47").set(
             "translation",
@@ -125,7 +125,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     );
     add(
         "wide_gaussian",
-        "The widest sigma: all weights are nearly equal.",
+        "The widest sigma is 2^20 − 1.",
         &["deform.weights.gaussian", "nodes.sigma.meaning"],
         base.clone().set("weight_scheme", 0, "2").after(
             "affine_mode",
@@ -135,7 +135,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     );
     add(
         "narrow_gaussian",
-        "The narrowest sigma: far weights are exactly zero.",
+        "The narrowest sigma is 1; all nodes of a region in one point weigh the same.",
         &["deform.exp"],
         base.clone().set("weight_scheme", 0, "2").after("affine_mode", 0, &["weight_sigma = 1"]),
     );

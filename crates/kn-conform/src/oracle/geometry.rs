@@ -99,6 +99,9 @@ fn read_lattice(section: &mut Section<'_>, vertices: usize) -> Result<[Vec<i64>;
             return Err(LATTICE);
         }
         let mut value = (section.raw(5) << 16) + section.raw(16) - LIMIT;
+        if value <= -LIMIT {
+            return Err(LATTICE);
+        }
         let (mut near, mut far) = (0, 0);
         list.push(value);
         for _ in 1..count {

@@ -44,7 +44,8 @@ impl Oracle<'_> {
             }
         }
         // r[motion.translation.range]
-        let inside = translations.iter().flatten().all(|t| t.abs() < 1 << 28);
+        let limit = 1 << (20 + self.fraction_bits());
+        let inside = translations.iter().flatten().all(|t| t.abs() < limit);
         if inside { Ok((translations, step)) } else { Err("motion.translation.range") }
     }
 

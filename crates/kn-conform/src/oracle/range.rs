@@ -37,8 +37,8 @@ impl Model {
     }
 }
 
-/// The 32 models of a gamma value.
-pub(super) type Gamma = [Model; 32];
+/// The 30 models of a gamma value.
+pub(super) type Gamma = [Model; 30];
 
 /// One stream of decisions.
 pub(super) struct Section<'b> {
@@ -106,7 +106,7 @@ impl<'b> Section<'b> {
     /// r[range.gamma]
     pub(super) fn gamma(&mut self, models: &mut Gamma) -> i64 {
         let mut extra = 0;
-        while extra < 31 && self.decision(&mut models[extra]) {
+        while extra < 30 && self.decision(&mut models[extra]) {
             extra += 1;
         }
         let high = extra.saturating_sub(16) as u32;

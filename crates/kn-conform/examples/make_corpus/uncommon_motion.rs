@@ -1,0 +1,262 @@
+//! P-frames whose result hangs on a weight, a rounding or a last bit. Their meshes are vertices
+//! without faces.
+
+use std::error::Error;
+
+use kn_mesh::GridMesh;
+
+use crate::Draft;
+use crate::shapes::Noise;
+use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
+
+/// Grid steps from the middle of the grid to its end.
+const LIMIT: i64 = 1 << 20;
+
+pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?, last_bits()?];
+    for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
+        drafts.push(ties(name, slots)?);
+    }
+    for (scheme, name) in
+        [(0, "few_nodes_inverse"), (1, "few_nodes_sumner"), (2, "few_nodes_gaussian")]
+    {
+        drafts.push(few_nodes(name, scheme)?);
+    }
+    Ok(drafts)
+}
+
+pub(crate) fn faulty() -> Result<Vec<Draft>, Box<dyn Error>> {
+    Ok(vec![at_the_limit("position_at_limit", Some("deform.position.range"), LIMIT_EXACT)?])
+}
+
+/// Nodes as points, and one P-frame for each entry of `motions`.
+struct Scene {
+    header: Text,
+    mesh: GridMesh,
+    nodes: Vec<[i32; 3]>,
+    affine: bool,
+    sigma: Option<u32>,
+    motions: Vec<Motion>,
+}
+
+/// Values of a P-frame: translation, and rotation of rigid or scale of affine nodes.
+struct Motion {
+    translation: Vec<[i32; 3]>,
+    turn_or_scale: Vec<[i32; 3]>,
+    steps: [u8; 2],
+}
+
+impl Scene {
+    fn text(&self) -> Result<String, Box<dyn Error>> {
+        let intra = intra_unit(&payload_of(&self.mesh)?);
+        let motions: String = self.motions.iter().map(|motion| self.motion(motion)).collect();
+        let nodes = self.nodes_unit();
+        Ok(format!("{}{intra}{nodes}{motions}{INDEX}", self.header.clone().build()))
+    }
+
+    fn nodes_unit(&self) -> String {
+        let before = [[0; 3]].into_iter().chain(self.nodes.iter().copied());
+        let deltas: Vec<[i32; 3]> = before
+            .zip(&self.nodes)
+            .map(|(before, node)| [0, 1, 2].map(|axis| node[axis] - before[axis]))
+            .collect();
+        let sigma = self.sigma.map_or(String::new(), |sigma| format!("weight_sigma = {sigma}\n"));
+        format!(
+            "\nunit_type = 3\nnode_count = {}\nnode_coding = 1\naffine_mode = {}\n{sigma}\
+             node_delta_rice = 18\nnode_delta = {}\n",
+            self.nodes.len(),
+            if self.affine { 2 } else { 0 },
+            numbers(&deltas),
+        )
+    }
+
+    fn motion(&self, motion: &Motion) -> String {
+        let values = numbers(&motion.turn_or_scale);
+        let [translation_step, step] = motion.steps;
+        let name = if self.affine { "scale" } else { "rotation" };
+        format!(
+            "\nunit_type = 4\ndigest_present = 0\nname_present = 0\nreference_mode = 0\n\
+             entropy_mode = 0\nresidual_present = 0\ntranslation_mode = 0\nrotation_enabled = 0\n\
+             scale_enabled = {}\nshear_enabled = 0\ntranslation_step = {translation_step}\n\
+             translation_table = 30\n{name}_step = {step}\nparameter_table = 20\n\
+             translation = {}\n{name} = {values}\n",
+            u8::from(self.affine),
+            numbers(&motion.translation),
+        )
+    }
+
+    fn draft(
+        &self,
+        name: &str,
+        danger: &str,
+        rule: Option<&'static str>,
+        covers: &'static [&'static str],
+    ) -> Result<Draft, Box<dyn Error>> {
+        Ok(Draft { name: name.into(), text: self.text()?, danger: danger.into(), rule, covers })
+    }
+}
+
+fn numbers(points: &[[i32; 3]]) -> String {
+    let all: Vec<String> = points.iter().flatten().map(i32::to_string).collect();
+    all.join(" ")
+}
+
+/// Whole grid steps, `slots` nodes a vertex, no labels.
+fn whole_steps(slots: usize) -> Text {
+    Text::new(HEADER)
+        .set("fraction_bits", 0, "0")
+        .set("nodes_per_vertex", 0, &slots.to_string())
+        .set("label_set", 0, "0")
+}
+
+fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
+    GridMesh { positions, ..GridMesh::default() }
+}
+
+/// All nodes in the origin, so that weights are 1/Q; a scale of 1.5 makes halves of odd
+/// coordinates, and translations add up to whole numbers of Q.
+fn ties(name: &str, slots: usize) -> Result<Draft, Box<dyn Error>> {
+    let mut noise = Noise::new(slots as u64);
+    let odd = |noise: &mut Noise| noise.point(3000).map(|x| 2 * x + 1);
+    let positions = (0..40).map(|_| odd(&mut noise)).collect();
+    let mut translation: Vec<[i32; 3]> = (1..slots).map(|_| noise.point(9)).collect();
+    let sum = |axis: usize| translation.iter().map(|t| t[axis]).sum::<i32>();
+    let last = [0, 1, 2].map(|axis| -sum(axis).rem_euclid(slots as i32));
+    translation.push(last);
+    let scene = Scene {
+        header: whole_steps(slots),
+        mesh: cloud(positions),
+        nodes: vec![[0; 3]; slots],
+        affine: true,
+        sigma: None,
+        // A step of 2^−8, 128 times.
+        motions: vec![Motion { translation, turn_or_scale: vec![[128; 3]; slots], steps: [0, 24] }],
+    };
+    let danger =
+        "Sums of equal weights that are halves but for their rounding: their order, ties to even.";
+    scene.draft(name, danger, None, &["deform.blend", "deform.round", "deform.weights.normalise"])
+}
+
+/// What a coordinate times the scale exceeds 2^20 − 1 by, in 2^−14 of a step.
+const LIMIT_BELOW: i64 = 8191;
+const LIMIT_EXACT: i64 = 8192;
+
+/// One node in the origin scales a vertex to the end of the grid.
+fn at_the_limit(
+    name: &str,
+    rule: Option<&'static str>,
+    excess: i64,
+) -> Result<Draft, Box<dyn Error>> {
+    let goal = (LIMIT - 1) * 16384 + excess;
+    let found = (LIMIT / 2..LIMIT).rev().find(|x| goal % x == 0 && goal / x < 8 * 16384);
+    let x = found.ok_or("no coordinate reaches the limit")?;
+    let scale = (goal / x - 16384) as i32;
+    let mut positions = vec![[0, 5, 0], [7, 0, 1]];
+    positions.push([x as i32, 0, -(x as i32)]);
+    let scene = Scene {
+        header: whole_steps(1),
+        mesh: cloud(positions),
+        nodes: vec![[0; 3]],
+        affine: true,
+        sigma: None,
+        motions: vec![Motion {
+            translation: vec![[0; 3]],
+            turn_or_scale: vec![[scale; 3]],
+            steps: [0, 0],
+        }],
+    };
+    let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
+    scene.draft(name, danger, rule, &["deform.position.range", "deform.round"])
+}
+
+/// Far from the origin and under large shears A·x is 2^35, so that a last bit is 2^−18 of a unit.
+/// The vertices are found by trying: with a reading of chapter 8 that differs in one thing (no tail of
+/// π/2, another order of the products in R, another order of the sum, fused operations) one of them
+/// is rounded to another integer.
+fn last_bits() -> Result<Draft, Box<dyn Error>> {
+    let mesh = cloud(vec![
+        [899_872, -899_831, 900_141],
+        [899_940, -899_784, 900_169],
+        [900_171, -900_040, 900_079],
+        [900_179, -900_155, 899_931],
+    ]);
+    let affine = "rotation_enabled = 1\nscale_enabled = 1\nshear_enabled = 1\n";
+    let text = format!(
+        "{}{}\nunit_type = 3\nnode_count = 1\nnode_coding = 1\naffine_mode = 2\n\
+         node_delta_rice = 18\nnode_delta = 900003 -899983 900033\n\nunit_type = 4\n\
+         digest_present = 0\nname_present = 0\nreference_mode = 0\nentropy_mode = 0\n\
+         residual_present = 0\ntranslation_mode = 0\n{affine}translation_step = 0\n\
+         translation_table = 20\nrotation_step = 8\nscale_step = 24\nshear_step = 24\n\
+         parameter_table = 40\ntranslation = 5 -7 11\nrotation = 9001 -5003 12007\n\
+         scale = 1699 1777 1788\nshear = 2011 -1999 2003\n{INDEX}",
+        whole_steps(1).set("fraction_bits", 0, "8").build(),
+        intra_unit(&payload_of(&mesh)?),
+    );
+    Ok(Draft {
+        name: "last_bits".into(),
+        text,
+        danger: "Roundings that hang on a last bit: the tail of π/2, the order of products and sums, fusing."
+            .into(),
+        rule: None,
+        covers: &["conventions.binary64", "deform.sincos", "deform.rotation", "deform.node", "deform.blend"],
+    })
+}
+
+/// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
+/// are closer than a step.
+fn few_nodes(name: &str, scheme: u8) -> Result<Draft, Box<dyn Error>> {
+    let mut noise = Noise::new(5);
+    let (mut mesh, mut nodes) = (GridMesh::default(), Vec::new());
+    for (region, count) in [(0, 1), (1, 2), (2, 4), (3, 5)] {
+        let mut near = |reach| {
+            let [x, y, z] = noise.point(reach);
+            [1000 * i32::from(region) + x, y, z]
+        };
+        let placed: Vec<[i32; 3]> = (0..count).map(|_| near(60)).collect();
+        add(&mut mesh, region, (0..12).map(|_| near(90)));
+        add(&mut mesh, region, placed.iter().copied());
+        nodes.extend(placed);
+    }
+    let ring = [[5010, 0, 0], [4990, 0, 0], [5000, 10, 0], [5000, -10, 0], [5000, 0, 10]];
+    add(&mut mesh, 4, ring.into_iter().chain([[5000, 0, 0]]));
+    let touching = [[9000, 0, 0], [9001, 0, 0], [9002, 0, 0], [9003, 1, 0], [9000, 1, 0]];
+    add(&mut mesh, 5, (0..5).map(|x| [9000 + x, 0, 0]));
+    add(&mut mesh, 6, [[12_000, 1, 1], [12_003, 0, 0]].into_iter());
+    nodes.extend(ring.into_iter().chain(touching).chain([[12_000, 0, 0]; 5]));
+    let motion = |step: u8, noise: &mut Noise| Motion {
+        translation: nodes.iter().map(|_| noise.point(900)).collect(),
+        turn_or_scale: nodes.iter().map(|_| noise.point(20)).collect(),
+        steps: [step, 20 + step],
+    };
+    let motions = [1, 2, 3, 5, 6, 7, 9].map(|step| motion(step, &mut noise)).into();
+    let header = Text::new(HEADER)
+        .set("fraction_bits", 0, "6")
+        .set("max_group_length", 0, "8")
+        .set("weight_scheme", 0, &scheme.to_string())
+        .set("influence_mode", 0, "0")
+        .set("label_set", 0, "2")
+        .after("grid_step", 0, &["label_count = 7", "label_region = 0 1 2 3 4 5 6"]);
+    let sigma = (scheme == 2).then_some(7);
+    let scene = Scene { header, mesh, nodes, affine: false, sigma, motions };
+    let danger = "Regions of 1, 2, 4 and 5 nodes where 4 move a vertex, nodes all as far, closer than a \
+                  step, five in one point; small steps.";
+    scene.draft(name, danger, None, FEW_NODES)
+}
+
+const FEW_NODES: &[&str] = &[
+    "deform.influence.nearest",
+    "deform.influence.replication",
+    "deform.influence.strict",
+    "deform.weights.floor",
+    "deform.weights.inverse",
+    "deform.weights.sumner",
+    "deform.weights.gaussian",
+    "deform.weights.normalise",
+    "deform.exp",
+    "motion.step.translation",
+];
+
+fn add(mesh: &mut GridMesh, label: u8, positions: impl Iterator<Item = [i32; 3]>) {
+    mesh.positions.extend(positions);
+    mesh.labels.resize(mesh.positions.len(), label);
+}

@@ -1,0 +1,202 @@
+//! The walkthroughs of chapters 4, 5 and 8: every number in them is computed again, by a literal
+//! reading here, and what they arrive at is compared with the decoder's.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use kn_bitstream::range::{BinaryCoder, BitModel, RangeDecoder};
+use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_deform::{
+    BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind, sin_cos,
+};
+use kn_mesh::GridMesh;
+
+/// The lines of the one block of this kind in a chapter.
+fn walkthrough(chapter: &str, kind: &str) -> Vec<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("spec").join(chapter);
+    let text = std::fs::read_to_string(path).expect("the chapter");
+    let block = text.split_once(&format!("```{kind}\n")).expect("the block").1;
+    block.lines().take_while(|line| *line != "```").map(str::to_owned).collect()
+}
+
+/// The payload of a tetrahedron, in which every symbol but the first is forced.
+fn tetrahedron() -> Vec<u8> {
+    let positions = vec![[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]];
+    let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    let mut payload = Vec::new();
+    encode_intra(&GridMesh { positions, faces, labels: vec![] }, &mut payload).expect("a mesh");
+    payload
+}
+
+/// Chapter 4 as it is written, with a model of its own.
+#[derive(Clone, Copy)]
+struct LiteralModel {
+    fast: i64,
+    slow: i64,
+    seen: i64,
+}
+
+impl LiteralModel {
+    const NEW: Self = Self { fast: 32768, slow: 32768, seen: 0 };
+
+    fn probability(self) -> u64 {
+        ((self.fast + self.slow) >> 1).clamp(160, 65376) as u64
+    }
+
+    fn adapt(&mut self, bit: bool) {
+        let mean = 131_072 / (2 * self.seen + 3);
+        let moved = |estimate: i64, rate: i64| {
+            let way = if bit { 65535 } else { 0 } - estimate;
+            estimate + ((way * (rate >> 1)) >> 15)
+        };
+        self.fast = moved(self.fast, mean.max(4096));
+        self.slow = moved(self.slow, mean.max(512));
+        self.seen += 1;
+    }
+}
+
+#[test]
+fn the_decisions_of_chapter_4_are_those_of_a_tetrahedron() {
+    let lines = walkthrough("04-entropy-range.md", "decisions");
+    let names: Vec<&str> = lines[1..].iter().filter_map(|l| l.split_whitespace().next()).collect();
+    let payload = tetrahedron();
+    let (header, connectivity) = (11, usize::from(payload[8]));
+    let section = &payload[header..header + connectivity];
+    let mut decoder = RangeDecoder::new(section);
+    let mut models: BTreeMap<&str, (BitModel, LiteralModel)> = BTreeMap::new();
+    let byte = |at: usize| u64::from(section.get(at).copied().unwrap_or(0));
+    let mut taken = 8;
+    let mut range = u64::MAX;
+    let mut offset = (0..8).fold(0, |number, at| number << 8 | byte(at));
+    let digits: String = section.iter().map(|byte| format!("{byte:02x}")).collect();
+    let mut written = vec![format!("section {digits}")];
+    for name in names {
+        let (model, literal) =
+            models.entry(name).or_insert((BitModel::default(), LiteralModel::NEW));
+        let p = literal.probability();
+        let bound = (range >> 16) * p;
+        let bit = offset < bound;
+        (range, offset) = if bit { (bound, offset) } else { (range - bound, offset - bound) };
+        literal.adapt(bit);
+        if range < 1 << 32 {
+            range <<= 32;
+            offset = (taken..taken + 4).fold(offset, |number, at| number << 8 | byte(at));
+            taken += 4;
+        }
+        assert_eq!(decoder.bit(model, false), bit, "{name}");
+        let bit = u8::from(bit);
+        written.push(format!("{name:22} {p:5}  {bit}  {range:016x}  {offset:016x}"));
+    }
+    assert!(decoder.is_finished());
+    assert_eq!(lines, written, "\n{}", written.join("\n"));
+}
+
+#[test]
+fn the_conquest_of_chapter_5_is_that_of_a_tetrahedron() {
+    let limits = IntraLimits { max_vertices: 4, max_faces: 4 };
+    let mut mesh = GridMesh::default();
+    decode_intra(&tetrahedron(), &limits, &mut IntraDecoder::default(), &mut mesh).expect("sound");
+    let lines = walkthrough("05-intra.md", "conquest");
+    // The triangle is in the last brackets but one, what its corners lack in the last.
+    let triples = |line: &String| -> Vec<[u32; 3]> {
+        let groups = line.split('(').skip(1).filter_map(|group| group.split(')').next());
+        groups
+            .map(|group| {
+                let numbers: Vec<u32> = group.split(' ').map(|n| n.parse().expect("n")).collect();
+                numbers.try_into().expect("three")
+            })
+            .collect()
+    };
+    let found: Vec<[u32; 3]> = lines.iter().map(|line| triples(line)[0]).collect();
+    assert_eq!(found, mesh.faces);
+    for (at, line) in lines.iter().enumerate() {
+        let so_far = &mesh.faces[..=at];
+        let lacks =
+            mesh.faces[at].map(|v| 3 - so_far.iter().flatten().filter(|&&w| w == v).count());
+        assert_eq!(triples(line)[1], lacks.map(|lack| lack as u32), "{line}");
+    }
+}
+
+/// Two nodes and a vertex of chapter 8, in reference units of 1/256 step.
+const NODES: [[i32; 3]; 2] = [[0, 0, 0], [40, 8, 0]];
+const VERTEX: [i32; 3] = [10, 3, -2];
+
+fn motions() -> [NodeTransform; 2] {
+    let turned = NodeTransform {
+        rotation: [0.25, -1.5, 3.0],
+        translation: [300.0, -70.0, 5.0],
+        ..NodeTransform::IDENTITY
+    };
+    let bent = NodeTransform {
+        scale: [1.25, 0.5, 1.0],
+        shear: [0.125, -0.0625, 0.375],
+        translation: [-512.0, 256.0, 40.0],
+        ..turned
+    };
+    [turned, bent]
+}
+
+#[test]
+fn the_vertex_of_chapter_8_moves_as_written() {
+    let lines = walkthrough("08-deformation.md", "deformation");
+    let written = literal_deformation();
+    assert_eq!(lines, written, "\n{}", written.join("\n"));
+    let options = BindOptions {
+        nodes_per_vertex: 2,
+        weights: WeightScheme::Gaussian { sigma: 20 },
+        mode: InfluenceMode::Strict,
+    };
+    let mut influence = Influence::default();
+    bind(&[VERTEX], &[0], &NODES, &[0, 0], &options, &mut influence).expect("nodes");
+    let units = |p: [i32; 3]| p.map(|x| 256 * x);
+    let mut moved = Vec::new();
+    Deformer::default()
+        .deform(&[units(VERTEX)], &influence, &NODES.map(units), &motions(), 1 << 28, &mut moved)
+        .expect("inside");
+    let [x, y, z] = moved[0];
+    assert_eq!(lines.last(), Some(&format!("reference              {x} {y} {z}")));
+}
+
+/// Chapter 8 for one vertex, as it is written.
+fn literal_deformation() -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut show = |name: &str, values: &[f64]| {
+        let mut line = format!("{name:21}");
+        for value in values {
+            let _ = write!(line, "  {:016x}", value.to_bits());
+        }
+        lines.push(line);
+    };
+    let squared = NODES.map(|n| (0..3).map(|k| (n[k] - VERTEX[k]).pow(2)).sum::<i32>());
+    let d = squared.map(|d| f64::from(d.max(1)));
+    let u = d.map(|d_j| kn_deform::exp_neg((d_j - d[0]) / (2.0 * (20.0 * 20.0))));
+    show("u_0 u_1", &u);
+    let sum = (0.0 + u[0]) + u[1];
+    let w = u.map(|u| u / sum);
+    show("w_0 w_1", &w);
+    let x = VERTEX.map(|x| f64::from(256 * x));
+    let mut total = [0.0; 3];
+    for (j, motion) in motions().iter().enumerate() {
+        for (angle, axis) in motion.rotation.iter().zip(["x", "y", "z"]) {
+            let (sine, cosine) = sin_cos(*angle);
+            if j == 0 {
+                show(&format!("s_{axis} c_{axis}"), &[sine, cosine]);
+            }
+        }
+        let a = motion.matrix();
+        let n = NODES[j].map(|n| f64::from(256 * n));
+        for (i, row) in a.iter().enumerate() {
+            show(&format!("node {j}, row {i} of A"), row);
+            let about = (row[0] * n[0] + row[1] * n[1]) + row[2] * n[2];
+            let b = (n[i] + motion.translation[i]) - about;
+            let term = w[j] * (((row[0] * x[0] + row[1] * x[1]) + row[2] * x[2]) + b);
+            total[i] += term;
+            show(&format!("node {j}, b and term {i}"), &[b, term]);
+        }
+    }
+    show("sum", &total);
+    let rounded = total.map(|t| t.round_ties_even() as i64);
+    lines.push(format!("reference              {} {} {}", rounded[0], rounded[1], rounded[2]));
+    lines
+}
