@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kn_codec::{Limits, Progress, StreamDecoder, digest};
-use kn_conform::{Spec, Stream, judge, load_corpus, node_labels, run_ours, stream_trace};
+use kn_conform::{Spec, Stream, judge, load_corpus, node_labels, run_ours_on, stream_trace};
 use kn_mesh::Mesh;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -25,7 +25,7 @@ fn main() {
 }
 
 fn check(spec: &Spec, stream: &Stream) -> Result<(), Failed> {
-    let verdict = judge(stream, &run_ours(&stream.path));
+    let verdict = judge(stream, &run_ours_on(&stream.path));
     if !verdict.passed {
         return Err(verdict.reason.into());
     }
@@ -34,7 +34,19 @@ fn check(spec: &Spec, stream: &Stream) -> Result<(), Failed> {
     let text = std::fs::read_to_string(stream.path.with_extension("txt"))?;
     let assembled = spec.assemble(&text, &node_labels)?;
     ensure(assembled == bytes, "the text assembles to other bytes")?;
-    if stream.description.rule.is_none() { check_sound(spec, stream, &bytes) } else { Ok(()) }
+    match &stream.description.rule {
+        None => check_sound(spec, stream, &bytes),
+        Some(rule) => check_faulty(spec, rule, &bytes),
+    }
+}
+
+/// The literal decoder, which shares no code with ours, refuses it by the same rule.
+fn check_faulty(spec: &Spec, rule: &str, bytes: &[u8]) -> Result<(), Failed> {
+    match spec.reconstruct(bytes) {
+        Ok(_) => Err("read literally it decodes".into()),
+        Err(failure) if failure.rule == Some(rule) => Ok(()),
+        Err(failure) => Err(format!("read literally: {failure}").into()),
+    }
 }
 
 fn check_sound(spec: &Spec, stream: &Stream, bytes: &[u8]) -> Result<(), Failed> {
@@ -48,7 +60,8 @@ fn check_sound(spec: &Spec, stream: &Stream, bytes: &[u8]) -> Result<(), Failed>
     }
     ensure(by_decoder.len() == by_tables.len(), "one of the parsers reads more elements")?;
     let literal = spec.reconstruct(bytes)?;
-    ensure(literal == stream.description.frames, "read literally it decodes otherwise")?;
+    ensure(literal.frames == stream.description.frames, "read literally it decodes otherwise")?;
+    ensure(literal.stages == stream.description.stages, "its stages are others")?;
     let text = spec.disassemble(bytes, &node_labels)?;
     let again = spec.assemble(&text, &node_labels)?;
     ensure(again == bytes, "taken apart and assembled it is another stream")?;

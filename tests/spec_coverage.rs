@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use kn_conform::{Expected, Spec, coverage, coverage_page, load_corpus};
+use kn_conform::{Expected, Spec, branches, coverage, coverage_page, load_corpus};
 
 fn spec_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("spec")
@@ -108,7 +108,8 @@ fn the_page_of_coverage_is_up_to_date() {
     let streams = load_corpus(&spec_folder().join("conformance")).expect("the corpus");
     let covered = coverage(&spec, &streams);
     let page = std::fs::read_to_string(spec_folder().join("coverage.md")).unwrap_or_default();
-    assert!(page == coverage_page(&covered), "run the example `coverage` of kn-conform");
+    let branches = branches(&spec, &streams).expect("streams");
+    assert!(page == coverage_page(&covered, &branches), "run the example `coverage` of kn-conform");
 }
 
 #[test]
@@ -119,4 +120,14 @@ fn every_requirement_has_an_example_or_a_stream_that_breaks_it() {
     let bare = covered.iter().filter(|entry| entry.rule.is_requirement() && entry.is_bare());
     let bare: Vec<_> = bare.map(|entry| entry.rule.id.as_str()).collect();
     assert!(bare.is_empty(), "{bare:?}");
+}
+
+#[test]
+fn sound_streams_take_every_branch_of_the_syntax_tables_both_ways() {
+    let spec = spec();
+    let streams = load_corpus(&spec_folder().join("conformance")).expect("the corpus");
+    for branch in branches(&spec, &streams).expect("streams") {
+        assert!(!branch.holds.is_empty(), "{}: never holds", branch.condition);
+        assert!(!branch.fails.is_empty(), "{}: always holds", branch.condition);
+    }
 }

@@ -84,6 +84,15 @@ pub struct Components {
 }
 
 impl TranslationMode {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Spatial => "spatial",
+            Self::SpatioTemporal => "spatio-temporal",
+        }
+    }
+
     fn read(bits: &mut BitReader<'_, '_>, context: &MotionContext) -> Result<Self, Error> {
         let mode = match bits.u("translation_mode", 2)? {
             0 => Self::Direct,

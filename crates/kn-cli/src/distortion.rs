@@ -7,6 +7,7 @@ use kn_metrics::{
     TriangleTree, distances_to_surface, msdm2, p2s, point_distortion, sample_surface,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Area-uniform samples on each surface for point-to-surface distances.
@@ -109,10 +110,14 @@ impl Distortion {
 }
 
 impl<'de> Deserialize<'de> for Distortion {
-    /// What has no value, or is infinite and so null, is left out.
+    /// JSON has no infinity: null is what decibels of equal meshes become.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let values = BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
-        Ok(Self(Metric::ALL.map(|metric| values.get(metric.name())?.as_f64())))
+        let values = BTreeMap::<String, Value>::deserialize(deserializer)?;
+        let number = |value: &Value| match value {
+            Value::Null => Some(f64::INFINITY),
+            value => value.as_f64(),
+        };
+        Ok(Self(Metric::ALL.map(|metric| number(values.get(metric.name())?))))
     }
 }
 
@@ -345,7 +350,8 @@ mod tests {
         assert_eq!((mean.get(Metric::P2sRms), mean.get(Metric::Msdm2)), (Some(2.0), None));
         assert_eq!(Distortion::mean([]), None);
         assert_eq!(serde_json::to_string(&mean).expect("JSON"), r#"{"p2s_rms":2.0}"#);
-        let read = serde_json::from_str::<Distortion>(r#"{"p2s_rms":2.0,"msdm2":null,"x":"y"}"#);
-        assert_eq!(read.expect("a distortion"), mean);
+        let read = |text: &str| serde_json::from_str::<Distortion>(text).expect("a distortion");
+        assert_eq!(read(r#"{"p2s_rms":2.0,"x":"y"}"#), mean);
+        assert_eq!(read(r#"{"d1_psnr":null}"#).get(Metric::D1Psnr), Some(f64::INFINITY));
     }
 }

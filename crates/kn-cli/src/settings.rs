@@ -53,9 +53,18 @@ pub(crate) struct Settings {
     /// Key nodes that move a vertex, Q [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     nodes_per_vertex: Option<u8>,
-    /// Quantiser step of translations in grid steps; the other steps follow from it [default: 1]
+    /// Quantiser step of translations in grid steps [default: 2]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     motion_step: Option<f64>,
+    /// Of rotations: how far it moves a vertex, in grid steps [default: that of translations]
+    #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    rotation_step: Option<f64>,
+    /// Likewise of scales [default: twice that of translations]
+    #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    scale_step: Option<f64>,
+    /// Likewise of shears [default: twice that of translations]
+    #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    shear_step: Option<f64>,
 }
 
 impl Settings {
@@ -82,6 +91,9 @@ impl Settings {
         config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);
         config.motion_step = self.motion_step.unwrap_or(config.motion_step);
+        config.rotation_step = self.rotation_step.or(config.rotation_step);
+        config.scale_step = self.scale_step.or(config.scale_step);
+        config.shear_step = self.shear_step.or(config.shear_step);
         if let Some(affine) = self.affine {
             config.affine = affine.into();
         }

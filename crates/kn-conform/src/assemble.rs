@@ -238,24 +238,22 @@ impl Elements for TextElements<'_> {
         self.sink.position()
     }
 
-    fn end_structure(&mut self, unit: OpenUnit) -> Result<&[u8], Failure> {
+    fn end_structure(&mut self, unit: OpenUnit) -> Result<(), Failure> {
         if let Some(bits) = self.given("pad").and_then(|given| given.bits) {
             bits.iter().for_each(|&bit| self.sink.bit(bit));
         }
         self.sink.align();
         let size = (self.sink.position() - unit.start) / 8;
-        let mut start = (unit.start / 8) as usize;
         let mut uleb = BitSink::default();
         if let Some(at) = self.size_at.take() {
             write_uleb(&mut uleb, size);
             self.sink.insert(at, uleb.as_bytes());
-            start += uleb.as_bytes().len();
         }
         if let Some(at) = self.index_size_at.take() {
             let whole = (self.sink.position() - self.unit_start) / 8 + 4;
             self.sink.replace(at + uleb.as_bytes().len(), &(whole as u32).to_be_bytes());
         }
-        Ok(&self.sink.as_bytes()[start..])
+        Ok(())
     }
 }
 

@@ -1,5 +1,7 @@
 //! Bits one at a time, and the CRC by its definition. Literal, with no eye on speed.
 
+use kn_bitstream::rule;
+
 use crate::Failure;
 
 /// Bits of a byte string, most significant first.
@@ -7,11 +9,26 @@ use crate::Failure;
 pub(crate) struct BitSource<'a> {
     bytes: &'a [u8],
     at: u64,
+    /// Where the structure of the unit that is being read ends.
+    end: Option<u64>,
+    /// What is wrong where the bytes run out: r[descriptor.end].
+    at_end: &'static str,
 }
 
 impl<'a> BitSource<'a> {
-    pub(crate) fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, at: 0 }
+    /// The bits of a structure alone.
+    pub(crate) fn of_structure(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0, end: None, at_end: rule::UNIT_SIZE_EXACT }
+    }
+
+    /// The bits of a file.
+    pub(crate) fn of_file(bytes: &'a [u8]) -> Self {
+        Self { at_end: rule::FILE_ORDER, ..Self::of_structure(bytes) }
+    }
+
+    /// Until it is lifted, nothing is read from here on.
+    pub(crate) fn end_at(&mut self, end: Option<u64>) {
+        self.end = end;
     }
 
     pub(crate) fn position(&self) -> u64 {
@@ -28,8 +45,12 @@ impl<'a> BitSource<'a> {
     }
 
     pub(crate) fn bit(&mut self) -> Result<u64, Failure> {
+        if self.end.is_some_and(|end| self.at >= end) {
+            return Err(Failure::of_rule(self.at, rule::UNIT_SIZE_EXACT, "the unit ends here"));
+        }
         let byte = self.bytes.get((self.at / 8) as usize);
-        let byte = byte.ok_or_else(|| Failure::new(self.at, "the data ends here"))?;
+        let byte =
+            byte.ok_or_else(|| Failure::of_rule(self.at, self.at_end, "the data ends here"))?;
         let bit = byte >> (7 - self.at % 8) & 1;
         self.at += 1;
         Ok(u64::from(bit))
@@ -126,7 +147,7 @@ mod tests {
         sink.bits(0b101, 3);
         sink.bits(0x1234, 16);
         assert_eq!(sink.position(), 19);
-        let mut source = BitSource::new(sink.as_bytes());
+        let mut source = BitSource::of_structure(sink.as_bytes());
         assert_eq!(source.bits(3), Ok(0b101));
         assert_eq!(source.bits(16), Ok(0x1234));
         assert_eq!(source.position(), 19);

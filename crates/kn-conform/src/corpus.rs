@@ -1,8 +1,9 @@
 //! The conformance streams: what they are, and what a decoder makes of them.
 
 use std::fmt;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use kn_codec::{DecodeErrorKind, Decoder, FrameKind, digest};
 use kn_mesh::Mesh;
@@ -26,6 +27,9 @@ pub struct Description {
     /// The lines that a decoder prints for a sound stream (9.7).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<String>,
+    /// The lines of its stages (9.6).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<String>,
 }
 
 /// One stream of the corpus.
@@ -100,8 +104,8 @@ pub enum Outcome {
 }
 
 /// Runs our decoder, which also checks the digests inside the stream.
-pub fn run_ours(path: &Path) -> Outcome {
-    match frames_of(path) {
+pub fn run_ours(stream: impl Read) -> Outcome {
+    match frames_of(stream) {
         Ok(frames) => Outcome::Frames(frames),
         Err(error) => {
             let rule = match error.kind() {
@@ -116,8 +120,16 @@ pub fn run_ours(path: &Path) -> Outcome {
     }
 }
 
-fn frames_of(path: &Path) -> Result<Vec<String>, kn_codec::DecodeError> {
-    let mut decoder = Decoder::new(std::fs::File::open(path)?)?;
+/// Runs our decoder on a file.
+pub fn run_ours_on(path: &Path) -> Outcome {
+    match File::open(path) {
+        Ok(file) => run_ours(file),
+        Err(error) => Outcome::NotRun(format!("{}: {error}", path.display())),
+    }
+}
+
+fn frames_of(stream: impl Read) -> Result<Vec<String>, kn_codec::DecodeError> {
+    let mut decoder = Decoder::new(stream)?;
     decoder.check_digests(true);
     let mut mesh = Mesh::default();
     let mut lines = Vec::new();
@@ -129,23 +141,6 @@ fn frames_of(path: &Path) -> Result<Vec<String>, kn_codec::DecodeError> {
         lines.push(format!("{index} {kind} {vertices} {faces} {sha256}"));
     }
     Ok(lines)
-}
-
-/// Runs a foreign decoder under the contract of 9.7: `command`, split at spaces, and the file.
-pub fn run_foreign(command: &str, path: &Path) -> Outcome {
-    let mut words = command.split_whitespace();
-    let Some(program) = words.next() else { return Outcome::NotRun("no command".into()) };
-    match Command::new(program).args(words).arg(path).output() {
-        Err(error) => Outcome::NotRun(format!("{program}: {error}")),
-        Ok(output) if output.status.success() => {
-            let text = String::from_utf8_lossy(&output.stdout);
-            Outcome::Frames(text.lines().map(|line| line.trim().to_owned()).collect())
-        }
-        Ok(output) => {
-            let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-            Outcome::Refused { rule: None, message }
-        }
-    }
 }
 
 /// The verdict on one stream.

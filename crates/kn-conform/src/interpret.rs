@@ -1,9 +1,11 @@
 //! Walks the syntax tables: over bits they parse a stream, over a text they assemble one.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use crate::environment::Environment;
+use crate::ranges;
 use crate::syntax::{Descriptor, Expression, Statement, Syntax};
+use crate::tables::Table;
 use crate::value::{Failure, TraceLine, Value};
 
 /// A syntax element that the tables ask for.
@@ -22,8 +24,8 @@ pub(crate) trait Elements {
     fn more_data(&mut self) -> bool;
     /// Offset of the next bit.
     fn position(&self) -> u64;
-    /// Goes to the next byte boundary, which ends a unit's structure, and returns its bytes.
-    fn end_structure(&mut self, unit: OpenUnit) -> Result<&[u8], Failure>;
+    /// Goes to the next byte boundary, which ends a unit's structure.
+    fn end_structure(&mut self, unit: OpenUnit) -> Result<(), Failure>;
 }
 
 /// A unit whose structure is being walked.
@@ -35,19 +37,9 @@ pub(crate) struct OpenUnit {
     pub(crate) size: i128,
 }
 
-/// Payloads of the units that a group's derived values depend on.
-#[derive(Clone, Debug, Default)]
-pub struct GroupPayloads {
-    /// Of the sequence header.
-    pub sequence_header: Vec<u8>,
-    /// Of the last I-frame.
-    pub intra_frame: Vec<u8>,
-    /// Of the last key nodes.
-    pub key_nodes: Vec<u8>,
-}
-
-/// Finds the labels of the key nodes, where something depends on them: that takes a decoded I-frame.
-pub type NodeLabels<'l> = dyn Fn(&GroupPayloads) -> Option<Vec<u8>> + 'l;
+/// Finds the labels of the last key nodes from the elements so far, where something depends on them:
+/// that takes a decoded I-frame.
+pub type NodeLabels<'l> = dyn Fn(&[TraceLine]) -> Option<Vec<u8>> + 'l;
 
 /// Walks tables and keeps the values that they refer to.
 pub(crate) struct Interpreter<'i, E> {
@@ -55,8 +47,13 @@ pub(crate) struct Interpreter<'i, E> {
     labels: &'i NodeLabels<'i>,
     pub(crate) elements: E,
     pub(crate) environment: Environment,
-    payloads: GroupPayloads,
+    /// Where they are there, ranges are checked.
+    levels: Option<&'i Table>,
+    /// The table that is being walked.
+    table: &'i str,
     pub(crate) trace: Vec<TraceLine>,
+    /// Every condition met, and how it turned out.
+    pub(crate) branches: BTreeSet<(String, bool)>,
 }
 
 /// Structures nest no deeper: the tables call one another without recursion.
@@ -69,20 +66,31 @@ impl<'i, E: Elements> Interpreter<'i, E> {
             labels,
             elements,
             environment: Environment::default(),
-            payloads: GroupPayloads::default(),
+            levels: None,
+            table: "",
             trace: Vec::new(),
+            branches: BTreeSet::new(),
         }
     }
 
+    /// Refuses values that the text does not allow.
+    pub(crate) fn strictly(mut self, levels: &'i Table) -> Self {
+        self.levels = Some(levels);
+        self
+    }
+
     /// Walks a table by name.
-    pub(crate) fn run(&mut self, table: &str) -> Result<(), Failure> {
+    pub(crate) fn run(&mut self, table: &'i str) -> Result<(), Failure> {
         self.call(table, 0)
     }
 
-    fn call(&mut self, table: &str, depth: u32) -> Result<(), Failure> {
+    fn call(&mut self, table: &'i str, depth: u32) -> Result<(), Failure> {
         let body = self.syntax.table(table).filter(|_| depth < DEPTH_LIMIT);
         let body = body.ok_or_else(|| self.failure(format!("there is no table {table}()")))?;
-        self.block(body, &mut HashMap::new(), depth)
+        let caller = std::mem::replace(&mut self.table, table);
+        self.block(body, &mut HashMap::new(), depth)?;
+        self.table = caller;
+        Ok(())
     }
 
     fn block(
@@ -105,7 +113,9 @@ impl<'i, E: Elements> Interpreter<'i, E> {
                     self.environment.set(name, value);
                 }
                 Statement::If(condition, body) => {
-                    if self.evaluate(condition, counters)? != 0 {
+                    let holds = self.evaluate(condition, counters)? != 0;
+                    self.branches.insert((format!("{}: {condition}", self.table), holds));
+                    if holds {
                         self.block(body, counters, depth)?;
                     }
                 }
@@ -131,9 +141,12 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     fn element(&mut self, place: &Place<'_>) -> Result<(), Failure> {
         let bit = self.elements.position();
         let value = self.elements.element(place)?;
-        let payloads = &self.payloads;
-        let labels = || (self.labels)(payloads);
+        let trace = &self.trace;
+        let labels = || (self.labels)(trace);
         self.environment.read(place.name, value.number(), &labels);
+        if let Some(levels) = self.levels {
+            ranges::check(&mut self.environment, levels, place, &value, bit)?;
+        }
         let (name, indices) = (place.name.to_owned(), place.indices.to_vec());
         self.trace.push(TraceLine { bit, name, indices, value });
         Ok(())
@@ -143,14 +156,7 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     fn end_structure(&mut self) -> Result<(), Failure> {
         let known = |name| self.environment.get(name).unwrap_or(0);
         let unit = OpenUnit { start: known("UnitStart") as u64, size: known("unit_size") };
-        let payload = self.elements.end_structure(unit)?.to_vec();
-        match self.environment.get("unit_type") {
-            Some(1) => self.payloads.sequence_header = payload,
-            Some(2) => self.payloads.intra_frame = payload,
-            Some(3) => self.payloads.key_nodes = payload,
-            _ => {}
-        }
-        Ok(())
+        self.elements.end_structure(unit)
     }
 
     fn evaluate(

@@ -1,41 +1,52 @@
 //! The labels of a group's key nodes (6.5), as the text says it.
 
-use kn_bitstream::{BitReader, IntraFrame, KeyNodes, KeyNodesContext, NodeSites, SequenceHeader};
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
-use kn_mesh::GridMesh;
+use crate::oracle::decode_mesh;
+use crate::value::{TraceLine, Value};
 
-use crate::interpret::GroupPayloads;
-
-/// The label of every key node, `None` for payloads that cannot be read.
-pub fn node_labels(payloads: &GroupPayloads) -> Option<Vec<u8>> {
-    let header = SequenceHeader::read(&mut BitReader::new(&payloads.sequence_header)).ok()?;
-    let level = header.limits()?;
-    let intra = IntraFrame::read(&mut BitReader::new(&payloads.intra_frame)).ok()?;
-    let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
-    let mut mesh = GridMesh::default();
-    decode_intra(intra.payload, &limits, &mut IntraDecoder::default(), &mut mesh).ok()?;
-    let context = KeyNodesContext {
-        label_count: header.labels.label_count(),
-        weight_scheme: header.weight_scheme,
-        vertex_count: mesh.positions.len() as u32,
-        max_nodes: level.max_nodes,
+/// The label of every node of the last key nodes, from all elements so far; `None` where they
+/// cannot be found.
+pub fn node_labels(trace: &[TraceLine]) -> Option<Vec<u8>> {
+    let last = |name: &str| trace.iter().rposition(|line| line.name == name);
+    let Value::Bytes(payload) = &trace[last("intra_payload")?].value else { return None };
+    let mesh = decode_mesh(payload).ok()?;
+    let nodes = &trace[last("node_count")?..];
+    let values = |name: &str| -> Vec<i64> {
+        let of_name = nodes.iter().filter(|line| line.name == name);
+        of_name.map(|line| line.value.number() as i64).collect()
     };
-    let nodes = KeyNodes::read(&mut BitReader::new(&payloads.key_nodes), &context).ok()?;
-    let points = match &nodes.sites {
-        NodeSites::Points(points) => points.clone(),
-        NodeSites::Vertices(vertices) => {
-            vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect()
-        }
+    let vertices: Vec<[i64; 3]> = mesh.positions.iter().map(|p| p.map(i64::from)).collect();
+    let points = node_points(&values("node_vertex_gap"), &values("node_delta"), &vertices)?;
+    let label = |&point: &[i64; 3]| {
+        let vertex = closest(point, &vertices)?;
+        Some(mesh.labels.get(vertex).copied().unwrap_or(0))
     };
-    Some(points.iter().map(|&point| label_at(&mesh, point)).collect())
+    points.iter().map(label).collect()
 }
 
-/// The label of the closest vertex, of equally close ones the one with the lowest index.
-fn label_at(mesh: &GridMesh, point: [i32; 3]) -> u8 {
-    let squared = |vertex: &[i32; 3]| -> i64 {
-        let difference = |axis: usize| i64::from(vertex[axis]) - i64::from(point[axis]);
-        (0..3).map(|axis| difference(axis) * difference(axis)).sum()
-    };
-    let closest = mesh.positions.iter().enumerate().min_by_key(|(_, vertex)| squared(vertex));
-    closest.and_then(|(vertex, _)| mesh.labels.get(vertex).copied()).unwrap_or(0)
+/// 6.5: positions of the nodes in grid steps, from gaps or from deltas; `None` for a vertex that
+/// does not exist.
+pub(crate) fn node_points(
+    gaps: &[i64],
+    deltas: &[i64],
+    vertices: &[[i64; 3]],
+) -> Option<Vec<[i64; 3]>> {
+    let mut points = Vec::new();
+    let mut vertex = -1;
+    for gap in gaps {
+        vertex += 1 + gap;
+        points.push(*vertices.get(usize::try_from(vertex).ok()?)?);
+    }
+    let mut point = [0; 3];
+    for delta in deltas.chunks_exact(3) {
+        point = [0, 1, 2].map(|axis| point[axis] + delta[axis]);
+        points.push(point);
+    }
+    Some(points)
+}
+
+/// 6.5: the closest vertex, of equally close ones the lowest.
+pub(crate) fn closest(point: [i64; 3], vertices: &[[i64; 3]]) -> Option<usize> {
+    let squared =
+        |vertex: &[i64; 3]| -> i64 { (0..3).map(|axis| (vertex[axis] - point[axis]).pow(2)).sum() };
+    (0..vertices.len()).min_by_key(|&index| (squared(&vertices[index]), index))
 }

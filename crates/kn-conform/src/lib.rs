@@ -5,26 +5,32 @@ mod bits;
 mod corpus;
 mod coverage;
 mod environment;
+mod foreign;
 mod huffman;
 mod interpret;
 mod labels;
 mod oracle;
 mod parse;
 mod product;
+mod ranges;
 mod second;
 mod spec;
+mod stream;
 mod syntax;
 pub mod tables;
 mod value;
 
 pub use corpus::{
     CorpusError, Description, FOLDERS, Outcome, Report, Stream, Verdict, judge, load_corpus,
-    run_foreign, run_ours,
+    run_ours, run_ours_on,
 };
-pub use coverage::{Covered, coverage, coverage_page};
-pub use interpret::{GroupPayloads, NodeLabels};
+pub use coverage::{Branch, Covered, branches, coverage, coverage_page};
+pub use foreign::run_foreign;
+pub use interpret::NodeLabels;
 pub use labels::node_labels;
+pub use oracle::{Literal, decode_mesh};
 pub use product::{example_trace, example_written, stream_trace};
 pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};
+pub use stream::{Finding, StreamReport};
 pub use syntax::{Syntax, SyntaxError};
 pub use value::{Failure, TraceLine, Value};

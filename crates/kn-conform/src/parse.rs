@@ -17,8 +17,8 @@ pub(crate) struct StreamElements<'a> {
 }
 
 impl<'a> StreamElements<'a> {
-    pub(crate) fn new(bytes: &'a [u8], codes: &'a Codes) -> Self {
-        Self { bits: BitSource::new(bytes), codes, unit_start: 0 }
+    pub(crate) fn new(bits: BitSource<'a>, codes: &'a Codes) -> Self {
+        Self { bits, codes, unit_start: 0 }
     }
 
     /// After an example's structure only zero bits up to the byte boundary may be left.
@@ -143,6 +143,10 @@ impl Elements for StreamElements<'_> {
                 self.huffman(code)?
             }
         };
+        if place.name == "unit_size" {
+            let end = i128::from(self.bits.position()) + 8 * value.number();
+            self.bits.end_at(u64::try_from(end).ok());
+        }
         let unknown = matches!(value.number(), 0 | 6..=127);
         if place.name == "unit_type" && unknown {
             return Err(Failure::of_rule(start, rule::UNIT_TYPE_KNOWN, "reserved"));
@@ -164,12 +168,13 @@ impl Elements for StreamElements<'_> {
         self.bits.position()
     }
 
-    fn end_structure(&mut self, unit: OpenUnit) -> Result<&[u8], Failure> {
+    fn end_structure(&mut self, unit: OpenUnit) -> Result<(), Failure> {
         self.align()?;
         let end = self.bits.position();
         if i128::from(end) != i128::from(unit.start) + 8 * unit.size {
             return Err(Failure::of_rule(end, rule::UNIT_SIZE_EXACT, "the unit ends elsewhere"));
         }
-        Ok(self.bits.between(unit.start, end))
+        self.bits.end_at(None);
+        Ok(())
     }
 }

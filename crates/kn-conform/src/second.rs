@@ -1,7 +1,11 @@
 //! What the tables do: parse a stream, assemble one, read an example.
 
+use std::collections::BTreeSet;
+
 use crate::assemble::{TextElements, text_of};
+use crate::bits::BitSource;
 use crate::interpret::{Interpreter, NodeLabels};
+use crate::labels::node_labels;
 use crate::parse::StreamElements;
 use crate::spec::{Example, Spec};
 use crate::syntax::{Syntax, SyntaxError};
@@ -13,10 +17,34 @@ impl Spec {
     /// Safe on untrusted input; takes memory in proportion to the stream and time with no eye on
     /// speed.
     pub fn parse(&self, stream: &[u8], labels: &NodeLabels<'_>) -> Result<Vec<TraceLine>, Failure> {
-        let elements = StreamElements::new(stream, &self.codes);
+        let elements = StreamElements::new(BitSource::of_file(stream), &self.codes);
         let mut interpreter = Interpreter::new(&self.syntax, labels, elements);
         interpreter.run("file")?;
         Ok(interpreter.trace)
+    }
+
+    /// As [`Self::parse`], and refuses values outside the ranges of the text. The elements before
+    /// the failure, and the failure.
+    pub fn parse_strictly(
+        &self,
+        stream: &[u8],
+        labels: &NodeLabels<'_>,
+    ) -> (Vec<TraceLine>, Result<(), Failure>) {
+        let elements = StreamElements::new(BitSource::of_file(stream), &self.codes);
+        let interpreter = Interpreter::new(&self.syntax, labels, elements);
+        let mut interpreter = interpreter.strictly(&self.levels);
+        let result = interpreter.run("file");
+        (interpreter.trace, result)
+    }
+
+    /// The conditions of the syntax tables that a stream meets, as `table: condition`, and how they
+    /// turn out, up to where it cannot be read.
+    pub(crate) fn branches_of(&self, stream: &[u8]) -> BTreeSet<(String, bool)> {
+        let elements = StreamElements::new(BitSource::of_file(stream), &self.codes);
+        let mut interpreter = Interpreter::new(&self.syntax, &node_labels, elements);
+        // What a broken stream meets before it breaks is met as well.
+        let _ = interpreter.run("file");
+        interpreter.branches
     }
 
     /// The stream that a text describes: the tables run backwards.
@@ -35,8 +63,10 @@ impl Spec {
     /// The trace of an example, by the tables.
     pub fn parse_example(&self, example: &Example) -> Result<Vec<TraceLine>, Failure> {
         let (syntax, table) = self.example_table(example).map_err(no_table)?;
-        let elements = StreamElements::new(&example.bytes, &self.codes);
-        let mut interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
+        let bits = BitSource::of_structure(&example.bytes);
+        let elements = StreamElements::new(bits, &self.codes);
+        let interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
+        let mut interpreter = interpreter.strictly(&self.levels);
         for (name, value) in &example.given {
             interpreter.environment.set(name, i128::from(*value));
         }

@@ -17,6 +17,7 @@ pub struct Spec {
     /// The worked examples, in the order of the chapters.
     pub examples: Vec<Example>,
     pub(crate) codes: Codes,
+    pub(crate) levels: Table,
     /// Headings so far.
     sections: usize,
 }
@@ -87,14 +88,16 @@ pub enum SpecError {
 impl Spec {
     /// Reads the chapters `NN-*.md` and the tables of a folder.
     pub fn load(folder: &Path) -> Result<Self, SpecError> {
-        let csv = folder.join("tables/cauchy_huffman.csv");
-        let table = Table::parse(&read(&csv)?);
-        let table = table.map_err(|error| SpecError::Table { path: csv, error })?;
+        let table = |name: &str| {
+            let path = folder.join("tables").join(name);
+            Table::parse(&read(&path)?).map_err(|error| SpecError::Table { path, error })
+        };
         let mut spec = Self {
             rules: Vec::new(),
             syntax: Syntax::default(),
             examples: Vec::new(),
-            codes: Codes::new(&table),
+            codes: Codes::new(&table("cauchy_huffman.csv")?),
+            levels: table("levels.csv")?,
             sections: 0,
         };
         for chapter in chapters(folder)? {

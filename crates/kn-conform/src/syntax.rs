@@ -1,6 +1,7 @@
 //! The syntax tables of chapter 3 as a tree.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// All tables by name.
 #[derive(Clone, Debug, Default)]
@@ -55,6 +56,18 @@ pub(crate) enum Expression {
     Binary(&'static str, Box<Expression>, Box<Expression>),
 }
 
+impl fmt::Display for Expression {
+    /// As in a table; parentheses that only repeat the precedence are left out.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => write!(f, "{value}"),
+            Self::Name(name) => f.write_str(name),
+            Self::Function(name) => write!(f, "{name}()"),
+            Self::Binary(operator, left, right) => write!(f, "{left} {operator} {right}"),
+        }
+    }
+}
+
 impl Syntax {
     /// Adds the tables of one ```` ```syntax ```` block.
     pub fn add(&mut self, block: &str) -> Result<(), SyntaxError> {
@@ -70,6 +83,27 @@ impl Syntax {
 
     pub(crate) fn table(&self, name: &str) -> Option<&[Statement]> {
         self.tables.get(name).map(Vec::as_slice)
+    }
+
+    /// All conditions, as `table: condition`, by table.
+    pub(crate) fn conditions(&self) -> Vec<String> {
+        fn walk(block: &[Statement], table: &str, conditions: &mut Vec<String>) {
+            for statement in block {
+                match statement {
+                    Statement::If(condition, body) => {
+                        conditions.push(format!("{table}: {condition}"));
+                        walk(body, table, conditions);
+                    }
+                    Statement::While(_, body) | Statement::For(_, _, body) => {
+                        walk(body, table, conditions);
+                    }
+                    Statement::Element { .. } | Statement::Assign(..) | Statement::Call(_) => {}
+                }
+            }
+        }
+        let mut conditions = Vec::new();
+        self.tables.iter().for_each(|(name, body)| walk(body, name, &mut conditions));
+        conditions
     }
 
     /// Names of all tables.

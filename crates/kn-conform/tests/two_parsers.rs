@@ -7,7 +7,7 @@ use kn_bitstream::{
     AffineNodes, BitReader, BitWriter, Components, FrameHeader, KeyNodes, KeyNodesContext,
     MotionContext, MotionFrame, NodeSites, TranslationMode, WeightScheme,
 };
-use kn_conform::{GroupPayloads, Spec, TraceLine};
+use kn_conform::{Spec, TraceLine};
 use proptest::prelude::*;
 
 fn spec() -> &'static Spec {
@@ -190,7 +190,7 @@ proptest! {
         write_unit(&mut stream, unit::MOTION_FRAME, &payloads[1]);
         write_unit(&mut stream, unit::MOTION_FRAME, &payloads[2]);
 
-        let by_labels = |_: &GroupPayloads| Some(group.labels.clone());
+        let by_labels = |_: &[TraceLine]| Some(group.labels.clone());
         let by_tables = spec().parse(&stream, &by_labels).expect("a stream");
         let begins = |line: &&TraceLine| ["node_count", "digest_present"].contains(&line.name.as_str());
         let starts: Vec<u64> = by_tables.iter().filter(begins).map(|line| line.bit).collect();

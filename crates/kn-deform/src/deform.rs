@@ -209,4 +209,18 @@ mod tests {
         assert_eq!(run(10.0), Err(DeformError { vertex: 1 }));
         assert_eq!(run(f64::NAN), Err(DeformError { vertex: 0 }));
     }
+
+    #[test]
+    fn the_range_ends_where_rounding_would_reach_the_limit() {
+        let (reference, nodes) = ([[89, 0, 0], [90, 0, 0]], [[0, 0, 0]]);
+        let influence = bound(&reference, &nodes, 1);
+        let mut deformed = Vec::new();
+        let mut deformer = Deformer::default();
+        let mut run = |t: f64| {
+            deformer.deform(&reference, &influence, &nodes, &[shifted(t)], 100, &mut deformed)
+        };
+        assert_eq!(run(9.45), Ok(()));
+        assert_eq!(run(9.5), Err(DeformError { vertex: 1 }));
+        assert_eq!(run(10.45), Err(DeformError { vertex: 1 }));
+    }
 }

@@ -88,6 +88,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_constants_are_the_specifications_to_the_bit() {
+        let constants = [HALF_PI_HEAD, HALF_PI_TAIL, TWO_OVER_PI, LOG2_E, LN_2_HEAD, LN_2_TAIL]
+            .map(f64::to_bits);
+        let printed = [
+            0x3FF9_21FB_5440_0000,
+            0x3DD0_B461_1A62_6331,
+            0x3FE4_5F30_6DC9_C883,
+            0x3FF7_1547_652B_82FE,
+            0x3FE6_2E42_FEE0_0000,
+            0x3DEA_39EF_3579_3C76,
+        ];
+        assert_eq!(constants, printed);
+    }
+
+    #[test]
     fn sine_and_cosine_agree_with_the_platform() {
         for step in -4000..=4000 {
             let angle = f64::from(step) * 1e-3;

@@ -5,7 +5,7 @@ use crate::group::Group;
 use crate::matching::{Correspondences, Match};
 use crate::sample::Sample;
 use crate::target::FitTarget;
-use crate::vec3::{Vec3, add, distance, dot, unit};
+use crate::vec3::{Vec3, add, distance, dot, scale as scaled, unit};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
@@ -14,20 +14,26 @@ const NORMAL_SCALE: f64 = 1.5;
 /// Points per unit of parallel work.
 const CHUNK: usize = 256;
 
-/// A position and a scaled normal.
-type Feature = [f64; 6];
+/// A position, a scaled normal and a scaled reach.
+type Feature = [f64; 7];
 
-/// The nearest samples in position and normal together, both ways: the front of a limb looks for
-/// a front, also where the back of another one is nearer.
+/// The nearest samples in position, normal and reach together, both ways: the front of a limb
+/// looks for a front, also where the back of another one is nearer, and a hand for a hand. Two
+/// points whose reach differs count as `reach_weight` of the difference farther apart.
 pub(crate) fn correspond(
     group: &Group,
     deformed: &Deformed,
     target: &FitTarget,
+    reach_weight: f64,
 ) -> Correspondences {
     let scale = NORMAL_SCALE * group.spacing;
     let (own, other) = (&group.sample, &target.sample);
-    let own_features = features(own, &deformed.positions, &deformed.normals, scale);
-    let other_features = features(other, &target.positions, &target.normals, scale);
+    let own_features = features(own, &deformed.positions, |v| {
+        (scaled(deformed.normals[v], scale), reach_weight * group.reach[v])
+    });
+    let other_features = features(other, &target.positions, |v| {
+        (scaled(target.normals[v], scale), reach_weight * target.reach[v])
+    });
     let pair = |from: u32, to: u32| {
         let (position, point) = (deformed.positions[from as usize], target.positions[to as usize]);
         let (own, other) = (deformed.normals[from as usize], target.normals[to as usize]);
@@ -49,10 +55,15 @@ pub(crate) fn correspond(
     Correspondences { forward: forward.collect(), backward: backward.collect() }
 }
 
-fn features(sample: &Sample, positions: &[Vec3], normals: &[Vec3], scale: f64) -> Vec<Feature> {
+/// `what` gives the scaled normal and reach of a vertex.
+fn features(
+    sample: &Sample,
+    positions: &[Vec3],
+    what: impl Fn(usize) -> (Vec3, f64),
+) -> Vec<Feature> {
     let feature = |&v: &u32| {
-        let (p, n) = (positions[v as usize], normals[v as usize]);
-        [p[0], p[1], p[2], scale * n[0], scale * n[1], scale * n[2]]
+        let (p, (n, reach)) = (positions[v as usize], what(v as usize));
+        [p[0], p[1], p[2], n[0], n[1], n[2], reach]
     };
     sample.vertices.iter().map(feature).collect()
 }
@@ -60,7 +71,7 @@ fn features(sample: &Sample, positions: &[Vec3], normals: &[Vec3], scale: f64) -
 /// For every feature of `from` the index of the nearest of `to`.
 fn nearest(from: &[Feature], to: &[Feature]) -> Vec<usize> {
     // The tree refuses only what a sample never is: empty.
-    let Ok(tree) = ImmutableKdTree::<f64, 6>::new_from_slice(to) else {
+    let Ok(tree) = ImmutableKdTree::<f64, 7>::new_from_slice(to) else {
         return Vec::new();
     };
     let find = |feature: &Feature| {

@@ -11,7 +11,7 @@ use crate::options::{FitOptions, PartStart};
 use crate::parts;
 use crate::quadratic::{Observations, QuadraticForm};
 use crate::report::{Fit, FitReport};
-use crate::schedule::{Schedule, Stage};
+use crate::schedule::{REACH_WEIGHT, Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
 use kn_deform::{Combination, NodeTransform};
@@ -179,17 +179,22 @@ impl Fitter {
         self.hints.reset(source.positions.len(), target.sample.vertices.len());
         let start = self.start(frame);
         self.deformed.update(source, &start);
-        let before = coarse::correspond(&self.group, &self.deformed, target).gap();
+        let before = coarse::correspond(&self.group, &self.deformed, target, 0.0).gap();
         let mut transforms = start.clone();
         let schedule = Schedule::new(options.regularisation, options.max_steps);
         let mut report = self.descend(frame, schedule, &mut transforms)?;
-        let after = coarse::correspond(&self.group, &self.deformed, target).gap();
-        if after <= before {
-            return Ok((transforms, report));
+        let after = coarse::correspond(&self.group, &self.deformed, target, 0.0).gap();
+        if after > before {
+            // Samples lie too far apart to judge a small motion: the surfaces decide.
+            let fitted = self.on_surfaces(frame, false, None)?.gap();
+            self.deformed.update(source, &start);
+            if self.on_surfaces(frame, false, None)?.gap() < fitted {
+                report.converged = false;
+                return Ok((start, report));
+            }
+            self.deformed.update(source, &transforms);
         }
-        report.converged = false;
-        self.deformed.update(source, &start);
-        Ok((start, report))
+        Ok((transforms, report))
     }
 
     /// The loop of matching and minimising; `self.deformed` must be up to date.
@@ -205,7 +210,14 @@ impl Fitter {
         let (mut factored_at, mut kept) = (f64::INFINITY, None);
         loop {
             let (stage, keeps) = (schedule.stage, kept.is_some());
-            let matches = self.correspond(frame, stage, kept.take())?;
+            let matches = match stage {
+                Stage::Coarse => {
+                    let weight = schedule.reach_weight();
+                    coarse::correspond(&self.group, &self.deformed, frame.target, weight)
+                }
+                Stage::Sampled => self.on_surfaces(frame, false, kept.take())?,
+                Stage::Full => self.on_surfaces(frame, true, kept.take())?,
+            };
             self.assemble(frame, &matches, stage, schedule.regularisation);
             let refactor =
                 schedule.steps < FIRST_FACTORS || schedule.regularisation < REFACTOR * factored_at;
@@ -249,7 +261,8 @@ impl Fitter {
         let mut best = (f64::INFINITY, 0);
         for (number, candidate) in candidates.iter().enumerate() {
             self.deformed.update(source, candidate);
-            let residual = coarse::correspond(&self.group, &self.deformed, target).residual();
+            let matches = coarse::correspond(&self.group, &self.deformed, target, REACH_WEIGHT);
+            let residual = matches.residual();
             if residual < best.0 {
                 best = (residual, number);
             }
@@ -257,19 +270,14 @@ impl Fitter {
         candidates.swap_remove(best.1)
     }
 
-    fn correspond(
+    /// Matches of every vertex of the source, or of its samples.
+    fn on_surfaces(
         &mut self,
         frame: Frame,
-        stage: Stage,
+        every: bool,
         kept: Option<Matches>,
     ) -> Result<Correspondences, FitError> {
-        let sample = match stage {
-            Stage::Coarse => {
-                return Ok(coarse::correspond(&self.group, &self.deformed, frame.target));
-            }
-            Stage::Sampled => &self.group.sample,
-            Stage::Full => &self.group.all,
-        };
+        let sample = if every { &self.group.all } else { &self.group.sample };
         let meshes = (frame.source, frame.target);
         let (deformed, hints) = (&self.deformed, &mut self.hints);
         Correspondences::on_surfaces(&self.group, sample, meshes, deformed, hints, kept)
@@ -323,7 +331,7 @@ impl Fitter {
 
     /// Residuals to the surfaces, and whether they say that something is missing.
     fn measure(&mut self, frame: Frame, report: &mut FitReport) -> Result<(), FitError> {
-        let matches = self.correspond(frame, Stage::Full, None)?;
+        let matches = self.on_surfaces(frame, true, None)?;
         report.measure(&self.group, frame.target, &matches);
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Distances along the mesh: shortest paths over its edges.
 
-use crate::surface::edges;
+use crate::surface::Edge;
 use crate::vec3::{Vec3, distance};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -13,14 +13,10 @@ pub(crate) struct EdgeGraph {
 }
 
 impl EdgeGraph {
-    /// The graph of all mesh edges for which `keep` holds; coincident vertices are joined, since
+    /// The graph of those `edges` of the mesh for which `keep` holds; coincident vertices are joined, since
     /// scans come cut along seams of their texture.
-    pub(crate) fn new(
-        positions: &[Vec3],
-        faces: &[[u32; 3]],
-        keep: impl Fn(u32, u32) -> bool,
-    ) -> Self {
-        let mut pairs: Vec<(u32, u32)> = edges(faces).iter().map(|&(a, b, _)| (a, b)).collect();
+    pub(crate) fn new(positions: &[Vec3], edges: &[Edge], keep: impl Fn(u32, u32) -> bool) -> Self {
+        let mut pairs: Vec<(u32, u32)> = edges.iter().map(|&(a, b, _)| (a, b)).collect();
         pairs.extend(coincident(positions));
         pairs.retain(|&(a, b)| keep(a, b));
         let mut starts = vec![0; positions.len() + 1];
@@ -105,7 +101,17 @@ impl DistanceField {
 
     /// Adds `source` at `vertex`, `offset` away; only vertices that it is nearest to are visited.
     pub(crate) fn add_source(&mut self, graph: &EdgeGraph, source: u32, vertex: u32, offset: f64) {
-        self.reach(source, vertex, offset);
+        self.add_sources(graph, source, std::iter::once((vertex, offset)));
+    }
+
+    /// Adds a source that is at many vertices, each with its offset.
+    pub(crate) fn add_sources(
+        &mut self,
+        graph: &EdgeGraph,
+        source: u32,
+        starts: impl Iterator<Item = (u32, f64)>,
+    ) {
+        starts.for_each(|(vertex, offset)| self.reach(source, vertex, offset));
         while let Some(Reached { distance, vertex }) = self.heap.pop() {
             if distance > self.distance[vertex as usize] {
                 continue;

@@ -2,9 +2,11 @@
 
 use crate::cholesky::Elimination;
 use crate::error::{FitError, Side};
+use crate::geodesic::EdgeGraph;
 use crate::node_graph::neighbours;
 use crate::pattern::{BlockPattern, PairSet};
 use crate::quadratic::Observations;
+use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::surface::{boundary_vertices, edges, vertex_areas};
@@ -19,6 +21,8 @@ pub(crate) struct Group {
     /// Neighbours in the smoothness term.
     pub(crate) pairs: Vec<(u16, u16)>,
     pub(crate) boundary: Vec<bool>,
+    /// `#V` of the first reference, see [`reach`].
+    pub(crate) reach: Vec<f64>,
     pub(crate) sample: Sample,
     pub(crate) all: Sample,
     /// Root of the area per node.
@@ -33,7 +37,9 @@ impl Group {
         if total <= 0.0 {
             return Err(FitError::NoSurface { mesh: Side::Source });
         }
-        let pairs = neighbours(source.positions, source.faces, source.nodes);
+        let edges = edges(source.faces);
+        let graph = EdgeGraph::new(source.positions, &edges, |_, _| true);
+        let pairs = neighbours(source.positions, &graph, source.nodes);
         let mut together = PairSet::new(source.nodes.len());
         for &(a, b) in &pairs {
             together.add_clique(&[a, b]);
@@ -51,7 +57,8 @@ impl Group {
             elimination: Elimination::new(&pattern),
             pattern,
             pairs,
-            boundary: boundary_vertices(source.positions.len(), &edges(source.faces)),
+            boundary: boundary_vertices(source.positions.len(), &edges),
+            reach: reach(source.positions, &areas, &graph),
             sample: Sample::spread(source.positions, &areas, SAMPLES),
             all: Sample::all(&areas),
             spacing: (total / source.nodes.len() as f64).sqrt(),

@@ -23,6 +23,7 @@ mod parts;
 mod pattern;
 mod place;
 mod quadratic;
+mod reach;
 mod register;
 mod report;
 mod sample;

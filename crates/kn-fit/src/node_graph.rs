@@ -9,16 +9,11 @@ use rayon::prelude::*;
 /// Two nodes are neighbours where their cells meet along the mesh: an arm that touches the torso
 /// in space is not its neighbour. Pieces of the surface that nothing connects are attached by
 /// their nearest nodes.
-pub(crate) fn neighbours(
-    positions: &[Vec3],
-    faces: &[[u32; 3]],
-    nodes: &[Vec3],
-) -> Vec<(u16, u16)> {
-    let graph = EdgeGraph::new(positions, faces, |_, _| true);
+pub(crate) fn neighbours(positions: &[Vec3], graph: &EdgeGraph, nodes: &[Vec3]) -> Vec<(u16, u16)> {
     let mut field = DistanceField::new(positions.len());
     let starts: Vec<(f64, u32)> = nodes.par_iter().map(|&n| nearest(positions, n)).collect();
     for (number, &(offset, vertex)) in starts.iter().enumerate() {
-        field.add_source(&graph, number as u32, vertex, offset);
+        field.add_source(graph, number as u32, vertex, offset);
     }
     let mut pairs = Vec::new();
     for vertex in 0..positions.len() as u32 {
@@ -90,6 +85,7 @@ fn spread(seed: usize, pairs: &[(u16, u16)], attached: &mut [bool]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::edges;
 
     #[test]
     fn strips_side_by_side_are_joined_once() {
@@ -109,7 +105,8 @@ mod tests {
         // Strip 0 has the nodes 0, 1, 2 and strip 1 the nodes 3, 4, 5.
         let nodes: Vec<Vec3> =
             [0, 8, 18, 20, 28, 38].iter().map(|&v: &usize| positions[v]).collect();
-        let pairs = neighbours(&positions, &faces, &nodes);
+        let graph = EdgeGraph::new(&positions, &edges(&faces), |_, _| true);
+        let pairs = neighbours(&positions, &graph, &nodes);
         assert_eq!(pairs[..4], [(0, 1), (1, 2), (3, 4), (4, 5)]);
         assert_eq!(pairs.len(), 5);
     }

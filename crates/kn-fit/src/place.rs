@@ -4,7 +4,7 @@ use crate::error::FitError;
 use crate::error::Side;
 use crate::geodesic::{DistanceField, EdgeGraph};
 use crate::source::{check_length, check_mesh};
-use crate::surface::vertex_areas;
+use crate::surface::{edges, vertex_areas};
 use crate::vec3::{Vec3, add, distance, scale};
 
 /// A loose piece gets a node of its own when its area is at least this share of the area that one
@@ -31,7 +31,7 @@ pub fn place_farthest(
         check_length("regions", regions.len(), positions.len())?;
     }
     let region = |v: u32| regions.map_or(0, |regions| regions[v as usize]);
-    let graph = EdgeGraph::new(positions, faces, |a, b| region(a) == region(b));
+    let graph = EdgeGraph::new(positions, &edges(faces), |a, b| region(a) == region(b));
     let mut chosen = seeds(positions, faces, &graph, region, count);
     let mut field = DistanceField::new(positions.len());
     for (number, &vertex) in chosen.iter().enumerate() {

@@ -3,7 +3,7 @@
 /// Which matches a step works with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// Samples, nearest in position and normal together.
+    /// Samples, nearest in position, normal and reach together.
     Coarse,
     /// Samples to the closest points of the other surface.
     Sampled,
@@ -19,6 +19,11 @@ const RELAXATION: f64 = 0.4;
 const STALL: f64 = 0.8;
 /// ... or when the surface moves by less than this share of an edge.
 const STILL: f64 = 0.05;
+/// What a difference in reach counts in the first matches: it brings a limb that swings to where it
+/// goes. Poses change it a little, so it soon fades.
+pub(crate) const REACH_WEIGHT: f64 = 0.5;
+/// The weight in a step is this share of that in the last.
+const REACH_FADES: f64 = 0.5;
 /// Steps before matches are looked for on the surface.
 const COARSE_STEPS: usize = 6;
 /// Steps of a continued fit.
@@ -67,6 +72,11 @@ impl Schedule {
             full_left: 0,
             ..Self::new(final_regularisation, CONTINUING_STEPS)
         }
+    }
+
+    /// What a difference in reach counts in the next matches.
+    pub(crate) fn reach_weight(&self) -> f64 {
+        REACH_WEIGHT * REACH_FADES.powi(self.steps as i32)
     }
 
     /// Takes note of a step: the residual that it started from and how far it moved the surface,

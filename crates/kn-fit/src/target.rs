@@ -1,6 +1,8 @@
 //! The mesh that a fit aims at, prepared once per frame.
 
 use crate::error::{FitError, Side};
+use crate::geodesic::EdgeGraph;
+use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
 use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
@@ -18,6 +20,8 @@ pub struct FitTarget {
     pub(crate) tree: TriangleTree,
     pub(crate) normals: Vec<Vec3>,
     pub(crate) boundary: Vec<bool>,
+    /// `#V`, see [`reach`].
+    pub(crate) reach: Vec<f64>,
     pub(crate) sample: Sample,
     /// Diagonal of the box.
     pub(crate) diagonal: f64,
@@ -35,13 +39,16 @@ impl FitTarget {
         if areas.iter().sum::<f64>() <= 0.0 {
             return Err(FitError::NoSurface { mesh: Side::Target });
         }
+        let edges = edges(faces);
+        let graph = EdgeGraph::new(positions, &edges, |_, _| true);
         let mut normals = Vec::new();
         vertex_normals(positions, faces, &mut normals);
         Ok(Self {
             tree: TriangleTree::new(positions, faces)
                 .map_err(|source| FitError::Tree { mesh: Side::Target, source })?,
             normals,
-            boundary: boundary_vertices(positions.len(), &edges(faces)),
+            boundary: boundary_vertices(positions.len(), &edges),
+            reach: reach(positions, &areas, &graph),
             sample: Sample::spread(positions, &areas, SAMPLES),
             diagonal: diagonal(positions),
             positions: positions.to_vec(),

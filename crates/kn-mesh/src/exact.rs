@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn what_is_not_on_a_grid_is_refused_with_the_reason() {
         assert_eq!(grid(&[]), Err(ExactGridError::NoStep));
-        assert_eq!(grid(&[[0.1, std::f32::consts::PI, 0.0]]), Err(ExactGridError::NoStep));
+        assert_eq!(grid(&[[0.1, 1.234e-8, 0.0]]), Err(ExactGridError::NoStep));
         let wide = grid(&[[0.0; 3], [2_097_152.0, 0.0, 0.0]]);
         assert_eq!(wide, Err(ExactGridError::TooWide { step: 1.0, steps: 2_097_152.0 }));
         let mut search = ExactGrid::default();

@@ -193,6 +193,7 @@ impl EncodeArguments {
             "affine": affine_name(&config.affine),
             "combination": config.combination.name(),
             "translation": format!("{:?}", config.translation).to_lowercase(),
+            "motion_step": config.motion_step,
             "version": env!("CARGO_PKG_VERSION"),
         })
     }

@@ -9,6 +9,7 @@ mod dump;
 mod encode;
 mod info;
 mod rd;
+mod register;
 mod verify;
 
 use crate::Outcome;
@@ -24,6 +25,7 @@ pub(crate) enum Command {
     Verify(verify::VerifyArguments),
     Compare(compare::CompareArguments),
     Rd(rd::RdArguments),
+    Register(register::RegisterArguments),
     Demo(demo::DemoArguments),
     Conform(conform::ConformArguments),
     Assemble(assemble::AssembleArguments),
@@ -39,6 +41,7 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Verify(arguments) => verify::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Rd(arguments) => rd::run(arguments, global),
+        Command::Register(arguments) => register::run(arguments, global),
         Command::Demo(arguments) => demo::run(arguments, global),
         Command::Conform(arguments) => conform::run(arguments),
         Command::Assemble(arguments) => assemble::run(arguments),

@@ -1,8 +1,8 @@
 //! From coded key nodes to positions, labels and kinds (`spec/07-motion.md`).
 
+use crate::decode::nearest::Slabs;
 use kn_bitstream::{AffineNodes, KeyNodes, NodeSites};
 use kn_mesh::GridMesh;
-use rayon::prelude::*;
 
 /// The key nodes of a group of frames.
 #[derive(Clone, Debug, Default)]
@@ -41,8 +41,9 @@ pub(crate) fn decode_key_nodes(coded: &KeyNodes, intra: &GridMesh, nodes: &mut N
     if intra.labels.is_empty() {
         nodes.labels.resize(nodes.positions.len(), 0);
     } else {
-        let label = |node: &[i32; 3]| intra.labels[nearest_vertex(*node, &intra.positions)];
-        nodes.positions.par_iter().map(label).collect_into_vec(&mut nodes.labels);
+        let slabs = Slabs::new(&intra.positions);
+        let label = |node: &[i32; 3]| intra.labels[slabs.nearest(*node)];
+        nodes.labels.extend(nodes.positions.iter().map(label));
     }
     match &coded.affine {
         AffineNodes::None => nodes.affine.resize(nodes.positions.len(), false),
@@ -52,21 +53,6 @@ pub(crate) fn decode_key_nodes(coded: &KeyNodes, intra: &GridMesh, nodes: &mut N
         }
         AffineNodes::Nodes(flags) => nodes.affine.extend(flags),
     }
-}
-
-/// Squared distances are exact integers; ties go to the lowest vertex (`nodes.label.nearest`).
-fn nearest_vertex(node: [i32; 3], positions: &[[i32; 3]]) -> usize {
-    let squared = |p: &[i32; 3]| -> i64 {
-        (0..3).map(|axis| i64::from(p[axis] - node[axis])).map(|d| d * d).sum()
-    };
-    let mut best = (i64::MAX, 0);
-    for (vertex, position) in positions.iter().enumerate() {
-        let squared = squared(position);
-        if squared < best.0 {
-            best = (squared, vertex);
-        }
-    }
-    best.1
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod files;
 mod key_nodes;
+mod nearest;
 mod node_graph;
 mod path;
 mod reconstruction;
@@ -12,6 +13,8 @@ mod translation;
 pub use files::Decoder;
 pub use stream::{FrameInfo, FrameKind, Progress, StreamDecoder};
 
+#[cfg(all(test, feature = "encode"))]
+pub(crate) use path::Visit;
 #[cfg(feature = "encode")]
 pub(crate) use reconstruction::Reconstruction;
 #[cfg(feature = "encode")]

@@ -108,11 +108,12 @@ impl Sites<'_> {
     }
 
     /// Puts a layer in the order of the spiral: clockwise seen from above, from the node that is
-    /// nearest to `last` on (`path.ring`, `path.turn`).
+    /// nearest to `last` on (`path.ring`).
     fn wind(&self, ring: &mut [u16], last: u16) {
         let centre = self.centre(ring);
         ring.sort_unstable_by(|&a, &b| {
-            clockwise(self.from_above(a, centre), self.from_above(b, centre)).then(a.cmp(&b))
+            clockwise(self.seen_from_above(a, centre), self.seen_from_above(b, centre))
+                .then(a.cmp(&b))
         });
         let near = |&(_, &node): &(usize, &u16)| self.squared(node, last);
         let first = ring.iter().enumerate().min_by_key(near).map_or(0, |(place, _)| place);
@@ -138,7 +139,7 @@ impl Sites<'_> {
 
     /// A node relative to `centre` in the plane that is seen from above: a turn from the first
     /// coordinate's axis to the second's is clockwise.
-    fn from_above(&self, node: u16, centre: [i64; 3]) -> [i64; 2] {
+    fn seen_from_above(&self, node: u16, centre: [i64; 3]) -> [i64; 2] {
         let position = self.position(node);
         [2, 1].map(|offset| (self.up_axis + offset) % 3).map(|axis| position[axis] - centre[axis])
     }

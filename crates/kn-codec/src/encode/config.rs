@@ -115,9 +115,15 @@ pub struct EncoderConfig {
     pub combination: Combination,
     /// What translations are predicted from.
     pub translation: TranslationChoice,
-    /// Quantiser step of translations in grid steps; the steps of the other components follow from
-    /// it and the reach of a node.
+    /// Quantiser step of translations in grid steps.
     pub motion_step: f64,
+    /// Quantiser step of rotations, as how far it moves a vertex at the mean distance from its node,
+    /// in grid steps; `None` is as far as that of translations.
+    pub rotation_step: Option<f64>,
+    /// Likewise of scales; `None` is twice as far.
+    pub scale_step: Option<f64>,
+    /// Likewise of shears; `None` is twice as far.
+    pub shear_step: Option<f64>,
     /// Whether frames carry digests (8 bytes each).
     pub digests: bool,
     /// Names of the frames, where they follow a pattern.
@@ -143,7 +149,10 @@ impl Default for EncoderConfig {
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: Combination::RTSH,
             translation: TranslationChoice::Cost,
-            motion_step: 1.0,
+            motion_step: 2.0,
+            rotation_step: None,
+            scale_step: None,
+            shear_step: None,
             digests: true,
             names: None,
         }

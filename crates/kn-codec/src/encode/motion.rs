@@ -1,23 +1,20 @@
 //! Motion of P-frames: fit, then quantise.
 
 use crate::decode::Reconstruction;
-use crate::encode::config::{EncoderConfig, TranslationChoice};
+use crate::encode::config::EncoderConfig;
 use crate::encode::quantise::{Steps, quantise_parameters};
 use crate::encode::translation::code_translations;
 use crate::error::EncodeError;
 use kn_bitstream::{MotionFrame, SequenceHeader};
-use kn_deform::{Combination, NodeTransform};
+use kn_deform::NodeTransform;
 use kn_fit::{Fit, FitOptions, FitSource, FitTarget, Fitter};
 use kn_mesh::{Grid, Mesh};
 
 /// Fits and quantises the P-frames of a group; buffers are reused.
 pub(crate) struct MotionEncoder {
-    combination: Combination,
-    choice: TranslationChoice,
+    config: EncoderConfig,
     /// Reference units in a grid step.
     unit: f64,
-    /// Quantiser step of translations in reference units.
-    step: f64,
     fitter: Option<Fitter>,
     /// `#V × 3`, the reference in grid steps.
     reference: Vec<[f64; 3]>,
@@ -32,10 +29,8 @@ impl MotionEncoder {
     pub(crate) fn new(config: &EncoderConfig, header: &SequenceHeader) -> Self {
         let unit = f64::from(1_u32 << header.fraction_bits);
         Self {
-            combination: config.combination,
-            choice: config.translation,
+            config: config.clone(),
             unit,
-            step: config.motion_step * unit,
             fitter: None,
             reference: Vec::new(),
             nodes: Vec::new(),
@@ -73,7 +68,7 @@ impl MotionEncoder {
             Some(fitter) => fitter,
             none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
         };
-        let options = FitOptions { combination: self.combination, ..FitOptions::default() };
+        let options = FitOptions { combination: self.config.combination, ..FitOptions::default() };
         fitter.fit_frame(&source, target, &options).map_err(|error| error.to_string())
     }
 
@@ -84,17 +79,17 @@ impl MotionEncoder {
             translation: transform.translation.map(|t| t * self.unit),
             ..*transform
         }));
-        let steps = Steps::balanced(self.step, reach(decoded));
+        let steps = Steps::new(&self.config, self.unit, reach(decoded));
         let affine = &decoded.nodes().affine;
         let (transforms, motion) = (&self.transforms, &mut self.motion);
         code_translations(
             transforms,
             decoded.translations(),
-            self.choice,
+            self.config.translation,
             steps.translation,
             motion,
         );
-        quantise_parameters(transforms, affine, self.combination, steps, motion);
+        quantise_parameters(transforms, affine, self.config.combination, steps, motion);
         &mut self.motion
     }
 }

@@ -1,5 +1,6 @@
 //! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
 
+use crate::encode::config::EncoderConfig;
 use kn_bitstream::{
     Components, HUFFMAN_VALUE_LIMIT, MotionFrame, best_table, parameter_step, translation_step,
 };
@@ -15,20 +16,27 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// Steps whose errors move vertices equally far.
+    /// The steps nearest to those of the settings.
     ///
-    /// `translation` in reference units; `reach` is the distance over which a node moves vertices,
-    /// in reference units: an angle's or a shear's error grows with it.
-    pub(crate) fn balanced(translation: f64, reach: f64) -> Self {
-        let parameter = nearest(translation / reach.max(1.0) * ONE, parameter_step);
+    /// `reach` is the distance over which a node moves vertices, in reference units: an angle's, a
+    /// scale's or a shear's error grows with it. `unit` is a grid step in reference units.
+    pub(crate) fn new(config: &EncoderConfig, unit: f64, reach: f64) -> Self {
+        let parameter = |step: Option<f64>, default: f64| {
+            let moved = step.unwrap_or(default * config.motion_step) * unit;
+            nearest(moved / reach.max(1.0) * ONE, parameter_step)
+        };
         Self {
-            translation: nearest(translation, translation_step),
-            rotation: parameter,
-            scale: parameter,
-            shear: parameter,
+            translation: nearest(config.motion_step * unit, translation_step),
+            rotation: parameter(config.rotation_step, 1.0),
+            scale: parameter(config.scale_step, STRETCH),
+            shear: parameter(config.shear_step, STRETCH),
         }
     }
 }
+
+/// Scales and shears are quantised so much more coarsely than translations: neighbours average their
+/// errors out (`docs/notes/translation.md`).
+const STRETCH: f64 = 2.0;
 
 /// The index whose step is nearest to `wanted`, the lowest of equals.
 fn nearest(wanted: f64, step: impl Fn(u8) -> i64) -> u8 {
@@ -123,10 +131,13 @@ mod tests {
     use kn_bitstream::{BitReader, BitWriter, MotionContext, translation_step};
 
     #[test]
-    fn steps_balance_translation_and_rotation() {
-        let steps = Steps::balanced(256.0, 256.0 * 64.0);
+    fn steps_move_vertices_as_far_as_told() {
+        let told =
+            EncoderConfig { motion_step: 1.0, shear_step: Some(4.0), ..EncoderConfig::default() };
+        let steps = Steps::new(&told, 256.0, 256.0 * 64.0);
         assert_eq!(translation_step(steps.translation), 256);
         assert_eq!(unit_step(steps.rotation), 1.0 / 64.0);
+        assert_eq!(unit_step(steps.shear), 1.0 / 16.0);
     }
 
     #[test]

@@ -62,7 +62,9 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     if let SmoothingChoice::Strength(strength) = config.smoothing {
         require(strength <= kn_bitstream::MAX_SMOOTHING, "smoothing is 0 to 5")?;
     }
-    require(config.motion_step > 0.0, "the motion step is not positive")?;
+    let parameters = [config.rotation_step, config.scale_step, config.shear_step];
+    let steps = parameters.into_iter().flatten().chain([config.motion_step]);
+    require(steps.into_iter().all(|step| step > 0.0), "a quantiser step is not positive")?;
     let lossless = matches!(config.grid, GridChoice::Lossless(_));
     require(!lossless || config.group_length == 1, "only groups of one frame are lossless")?;
     require(!lossless || config.decimation.is_none(), "a decimated mesh is not lossless")?;

@@ -129,6 +129,74 @@ fn geometric_median(points: &[[f64; 3]]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decode::Visit;
+    use proptest::prelude::*;
+
+    const NODES: u16 = 6;
+
+    fn group() -> Translations {
+        let mut translations = Translations::default();
+        let from = |node: u16| (node > 0).then_some(node / 2);
+        let path = (0..NODES).map(|node| Visit { node, from: from(node) }).collect();
+        translations.begin(&[1, 1, 7, 7, 7, 9], path);
+        translations
+    }
+
+    fn frames() -> impl Strategy<Value = Vec<Vec<NodeTransform>>> {
+        let translation = prop::array::uniform3(-5e4..5e4_f64);
+        let node = translation
+            .prop_map(|translation| NodeTransform { translation, ..NodeTransform::IDENTITY });
+        let frame = prop::collection::vec(node, usize::from(NODES));
+        prop::collection::vec(frame, 1..5)
+    }
+
+    /// Codes a frame and decodes it; the bits of its translations.
+    fn code(
+        frame: &[NodeTransform],
+        group: &mut Translations,
+        choice: TranslationChoice,
+        step: u8,
+    ) -> u64 {
+        let mut motion = MotionFrame::default();
+        code_translations(frame, group, choice, step, &mut motion);
+        let bits = |values: &[[i32; 3]], table: u8| -> u64 {
+            let length = |&value: &i32| u64::from(cauchy_table(table).code_length(value));
+            values.as_flattened().iter().map(length).sum()
+        };
+        let before = group.dictionary().map_or(0, |dictionary| dictionary.table);
+        group.decode(&motion).expect("in range");
+        bits(&motion.translation_change, before)
+            + bits(&motion.translation, motion.translation_table)
+    }
+
+    proptest! {
+        #[test]
+        fn prediction_saves_bits_and_changes_nothing(frames in frames(), step in 0..40_u8) {
+            let [mut direct, mut paper, mut cost] = [group(), group(), group()];
+            for frame in &frames {
+                let bits = code(frame, &mut direct, TranslationChoice::Direct, step);
+                code(frame, &mut paper, TranslationChoice::Paper, step);
+                prop_assert!(code(frame, &mut cost, TranslationChoice::Cost, step) <= bits);
+                prop_assert_eq!(direct.decoded(), paper.decoded());
+                prop_assert_eq!(direct.decoded(), cost.decoded());
+            }
+        }
+
+        #[test]
+        fn any_translation_is_coded_within_half_a_step(frames in frames(), steps in [0..40_u8, 0..40_u8]) {
+            // Steps that change from frame to frame.
+            let mut group = group();
+            for (frame, step) in frames.iter().zip(steps.into_iter().cycle()) {
+                code(frame, &mut group, TranslationChoice::Paper, step);
+                let half = translation_step(step) as f64 / 2.0;
+                for (node, decoded) in frame.iter().zip(group.decoded()) {
+                    for axis in 0..3 {
+                        prop_assert!((node.translation[axis] - decoded[axis] as f64).abs() <= half);
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_geometric_median_ignores_an_outlier() {

@@ -32,6 +32,9 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
         translation: TranslationChoice::Direct,
+        motion_step: 1.0,
+        scale_step: Some(1.0),
+        shear_step: Some(1.0),
         ..EncoderConfig::default()
     };
     let still = |mesh: &Mesh| vec![mesh.clone()];
@@ -98,7 +101,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "groups",
         "Nothing of a group of frames is left in the next; the last group is short.",
-        &["conformance.access"],
+        &["conformance.access", "conformance.stages"],
         &long,
         EncoderConfig { group_length: 3, ..config() },
     )?;

@@ -2,7 +2,7 @@
 //!
 //! Core streams come from the encoder. Uncommon and faulty ones are texts, written here by hand or
 //! made from a sound text by a few edits, and assembled by the syntax tables. Expected frames are
-//! those of our decoder.
+//! those of our decoder, stages those of the literal one.
 
 mod core_streams;
 mod faulty;
@@ -15,7 +15,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use kn_conform::{Description, Outcome, Spec, node_labels, run_ours};
+use kn_conform::{Description, Outcome, Spec, node_labels, run_ours_on};
 
 /// A stream to be: its text and what it is about.
 #[derive(Clone)]
@@ -69,18 +69,23 @@ fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>
     let path = folder.join(&draft.name).with_extension("knm");
     std::fs::write(&path, &stream)?;
     std::fs::write(path.with_extension("txt"), &draft.text)?;
-    let frames = match (run_ours(&path), draft.rule) {
+    let frames = match (run_ours_on(&path), draft.rule) {
         (Outcome::Frames(frames), None) => frames,
         (Outcome::Refused { rule, .. }, Some(expected)) if rule.as_deref() == Some(expected) => {
             Vec::new()
         }
         (outcome, _) => return Err(format!("not as expected: {outcome:?}").into()),
     };
+    let stages = match draft.rule {
+        None => spec.reconstruct(&stream)?.stages,
+        Some(_) => Vec::new(),
+    };
     let description = Description {
         danger: draft.danger.clone(),
         covers: draft.covers.iter().map(|&id| id.to_owned()).collect(),
         rule: draft.rule.map(str::to_owned),
         frames,
+        stages,
     };
     let json = serde_json::to_string_pretty(&description)? + "\n";
     std::fs::write(path.with_extension("json"), json)?;

@@ -66,6 +66,21 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         ),
     );
     add(
+        "translations_alone",
+        "Affine nodes only and no component enabled: no steps, no table and no values but translations.",
+        &["motion.counts", "motion.absent"],
+        base.clone()
+            .set("affine_mode", 0, "2")
+            .without("affine_label", 0)
+            .set("rotation_enabled", 0, "0")
+            .set("scale_enabled", 0, "0")
+            .without("rotation_step", 0)
+            .without("scale_step", 0)
+            .without("parameter_table", 0)
+            .without("rotation", 0)
+            .without("scale", 0),
+    );
+    add(
         "escapes",
         "Values beyond the table are escaped, up to the largest of the syntax.",
         &["descriptor.huffman.value", "descriptor.ue", "motion.translation"],

@@ -30,6 +30,13 @@ pub(crate) struct Motion {
     pub(crate) shear: [f64; 3],
 }
 
+/// 8.1: HalfPiHead, HalfPiTail, TwoOverPi.
+pub(crate) const SINCOS_CONSTANTS: [u64; 3] =
+    [0x3FF9_21FB_5440_0000, 0x3DD0_B461_1A62_6331, 0x3FE4_5F30_6DC9_C883];
+/// 8.1: Log2E, Ln2Head, Ln2Tail.
+pub(crate) const EXP_CONSTANTS: [u64; 3] =
+    [0x3FF7_1547_652B_82FE, 0x3FE6_2E42_FEE0_0000, 0x3DEA_39EF_3579_3C76];
+
 /// Slots of a vertex: node and weight.
 pub(crate) type Slots = Vec<(usize, f64)>;
 
@@ -91,9 +98,7 @@ fn horner(coefficients: &[f64], z: f64) -> f64 {
 
 /// 8.1: (sine, cosine).
 pub(crate) fn sincos(a: f64) -> (f64, f64) {
-    let head = f64::from_bits(0x3FF9_21FB_5440_0000);
-    let tail = f64::from_bits(0x3DD0_B461_1A62_6331);
-    let two_over_pi = f64::from_bits(0x3FE4_5F30_6DC9_C883);
+    let [head, tail, two_over_pi] = SINCOS_CONSTANTS.map(f64::from_bits);
     let sine = [
         -1.0 / 6.0,
         1.0 / 120.0,
@@ -130,9 +135,7 @@ pub(crate) fn expneg(x: f64) -> f64 {
     if x > 700.0 {
         return 0.0;
     }
-    let log2_e = f64::from_bits(0x3FF7_1547_652B_82FE);
-    let head = f64::from_bits(0x3FE6_2E42_FEE0_0000);
-    let tail = f64::from_bits(0x3DEA_39EF_3579_3C76);
+    let [log2_e, head, tail] = EXP_CONSTANTS.map(f64::from_bits);
     let mut coefficients = vec![1.0];
     let mut factorial = 1.0;
     for n in 1..=12 {
@@ -160,8 +163,11 @@ pub(crate) fn matrix(motion: &Motion) -> [[f64; 3]; 3] {
     })
 }
 
+/// A by rows, and b.
+pub(crate) type Transform = ([[f64; 3]; 3], [f64; 3]);
+
 /// 8.3: A and b of a node.
-pub(crate) fn transform(node: &Node, motion: &Motion) -> ([[f64; 3]; 3], [f64; 3]) {
+pub(crate) fn transform(node: &Node, motion: &Motion) -> Transform {
     let a = matrix(motion);
     let n = node.position.map(|coordinate| coordinate as f64);
     let mut b = [0.0; 3];
@@ -176,7 +182,7 @@ pub(crate) fn transform(node: &Node, motion: &Motion) -> ([[f64; 3]; 3], [f64; 3
 pub(crate) fn blend(
     x: [i64; 3],
     slots: &Slots,
-    transforms: &[([[f64; 3]; 3], [f64; 3])],
+    transforms: &[Transform],
     fraction_bits: u32,
 ) -> Option<[i64; 3]> {
     let x = x.map(|coordinate| coordinate as f64);

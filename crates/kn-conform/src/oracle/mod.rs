@@ -1,47 +1,81 @@
-//! A literal decoder: chapters 6 to 9 from the elements that the tables read.
+//! A literal decoder: chapters 4 to 9 from the elements that the tables read.
 //!
-//! Shares no code with kn-deform and with kn-codec's reconstruction, and has no eye on speed. The
-//! mesh of an I-frame is kn-codec's.
+//! Shares no code with kn-deform and kn-codec, and has no eye on speed.
 
+mod conquest;
 mod deform;
+mod framing;
+mod geometry;
+mod intra;
+mod labels;
+mod motion;
 mod path;
+#[cfg(test)]
+mod printed;
+mod range;
 mod smooth;
+mod spread;
+mod stages;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
-use sha2::{Digest, Sha256};
 
-use crate::labels::node_labels;
+use crate::labels::{closest, node_labels, node_points};
+use crate::ranges::level_limit;
 use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
-use deform::{Motion, Node, Settings, Slots, bind, blend, transform};
+use deform::{Node, Settings, Slots, bind, blend, transform};
+use framing::Framing;
+use intra::{Rule, announced};
 use path::{Nodes, path};
 use smooth::smooth;
+
+pub use intra::decode_mesh;
 
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
 
+/// What a literal reading makes of a stream.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Literal {
+    /// Lines `index kind #V #F sha256` (9.7).
+    pub frames: Vec<String>,
+    /// Lines `index kind nodes influence transforms predicted reconstructed` (9.6).
+    pub stages: Vec<String>,
+}
+
 impl Spec {
-    /// The frames of a stream as lines `index kind #V #F sha256` (9.7), by a literal reading of the
-    /// specification.
+    /// The frames of a stream by a literal reading of the specification, or the rule that it breaks.
     ///
-    /// For streams that a decoder accepts: it checks few rules and may panic where one is broken.
-    pub fn reconstruct(&self, stream: &[u8]) -> Result<Vec<String>, Failure> {
-        let mut oracle = Oracle::default();
-        for line in self.parse(stream, &node_labels)? {
-            oracle.element(line)?;
+    /// Takes memory and time with no eye on either: not for untrusted streams of unknown size.
+    pub fn reconstruct(&self, stream: &[u8]) -> Result<Literal, Failure> {
+        let (trace, result) = self.parse_strictly(stream, &node_labels);
+        let mut oracle = Oracle { spec: Some(self), ..Oracle::default() };
+        for line in trace {
+            let bit = line.bit;
+            let read = oracle.framing.element(&line).and_then(|()| oracle.element(line));
+            read.map_err(|rule| Failure::of_rule(bit, rule, "the stream breaks it"))?;
         }
-        Ok(oracle.frames)
+        // Behind the index nothing is a unit.
+        let behind = |failure: Failure| match oracle.framing.finish() {
+            Ok(()) => Failure::of_rule(failure.bit, "file.order", failure.reason),
+            Err(_) => failure,
+        };
+        result.map_err(behind)?;
+        let end = 8 * stream.len() as u64;
+        oracle.framing.finish().map_err(|rule| Failure::of_rule(end, rule, "the file ends"))?;
+        Ok(oracle.decoded)
     }
 }
 
 #[derive(Default)]
-struct Oracle {
+struct Oracle<'s> {
+    spec: Option<&'s Spec>,
+    framing: Framing,
     /// Values of the unit that is being read, by element; arrays in order.
     unit: HashMap<String, Vec<Value>>,
-    /// Of the sequence header and of the last key nodes.
+    /// Of the sequence header.
     header: HashMap<String, Vec<Value>>,
     settings: Settings,
     mesh: GridMesh,
@@ -54,18 +88,16 @@ struct Oracle {
     previous: (Vec<[i64; 3]>, i64),
     /// #V × 3, in reference units.
     reference: Vec<[i64; 3]>,
-    frames: Vec<String>,
+    decoded: Literal,
 }
 
-impl Oracle {
-    fn element(&mut self, line: TraceLine) -> Result<(), Failure> {
+impl Oracle<'_> {
+    fn element(&mut self, line: TraceLine) -> Result<(), Rule> {
         let end_of_unit = line.name == "unit_crc";
-        let bit = line.bit;
         self.unit.entry(line.name).or_default().push(line.value);
         if !end_of_unit {
             return Ok(());
         }
-        let wrong = |reason: &str| Failure::new(bit, reason);
         match self.number("unit_type") {
             1 => {
                 self.header = std::mem::take(&mut self.unit);
@@ -76,9 +108,9 @@ impl Oracle {
                     sigma: 0,
                 };
             }
-            2 => self.intra_frame().ok_or_else(|| wrong("the I-frame cannot be decoded"))?,
-            3 => self.key_nodes().ok_or_else(|| wrong("a region has no node"))?,
-            4 => self.motion_frame().ok_or_else(|| wrong("a position leaves the grid"))?,
+            2 => self.intra_frame()?,
+            3 => self.key_nodes()?,
+            4 => self.motion_frame()?,
             _ => {}
         }
         self.unit.clear();
@@ -89,11 +121,14 @@ impl Oracle {
         number(&self.unit, name)
     }
 
+    fn numbers(&self, name: &str) -> Vec<i64> {
+        let values = self.unit.get(name).map_or(&[][..], Vec::as_slice);
+        values.iter().map(|value| value.number() as i64).collect()
+    }
+
     /// Values of an array in threes.
     fn triples(&self, name: &str) -> Vec<[i64; 3]> {
-        let values = self.unit.get(name).map_or(&[][..], Vec::as_slice);
-        let triple = |three: &[Value]| [0, 1, 2].map(|axis| three[axis].number() as i64);
-        values.chunks_exact(3).map(triple).collect()
+        self.numbers(name).chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect()
     }
 
     fn fraction_bits(&self) -> u32 {
@@ -112,27 +147,48 @@ impl Oracle {
         self.mesh.labels.get(vertex).copied().unwrap_or(0)
     }
 
-    fn intra_frame(&mut self) -> Option<()> {
+    /// 6.4
+    fn intra_frame(&mut self) -> Result<(), Rule> {
         let Some([Value::Bytes(payload)]) = self.unit.get("intra_payload").map(Vec::as_slice)
         else {
-            return None;
+            return Err("unit.size.exact");
         };
-        let limits = IntraLimits { max_vertices: u32::MAX, max_faces: u32::MAX };
-        decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut self.mesh).ok()?;
+        let counts = announced(payload)?;
+        for (count, column) in counts.into_iter().zip(["max_vertices", "max_faces"]) {
+            let level = number(&self.header, "level");
+            let most = self.spec.map(|spec| level_limit(&spec.levels, Some(level), column));
+            if most.is_some_and(|most| i128::from(count) > most) {
+                return Err("intra.size.level");
+            }
+        }
+        self.mesh = decode_mesh(payload)?;
+        let label_set = number(&self.header, "label_set");
+        if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { counts[0] } {
+            return Err("intra.labels.present");
+        }
+        let label_count = if label_set == 1 { 15 } else { number(&self.header, "label_count") };
+        if self.mesh.labels.iter().any(|&label| i128::from(label) >= label_count) {
+            return Err("intra.labels.range");
+        }
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
         let decoded: Vec<[i64; 3]> = self.mesh.positions.iter().map(in_units).collect();
         let strength = self.number("smoothing_strength") as usize;
         self.reference = smooth(&decoded, &self.mesh.faces, strength, unit / 2);
-        self.show('I')
+        self.show('I', &decoded, None)
     }
 
-    fn key_nodes(&mut self) -> Option<()> {
-        let points = self.node_points();
+    /// 6.5, 7.5 and 8.2
+    fn key_nodes(&mut self) -> Result<(), Rule> {
         let vertices: Vec<[i64; 3]> =
             self.mesh.positions.iter().map(|p| p.map(i64::from)).collect();
-        let labels: Vec<u8> =
-            points.iter().map(|&point| self.vertex_label(closest(point, &vertices))).collect();
+        if vertices.is_empty() {
+            return Err("intra.vertices.nodes");
+        }
+        let (gaps, deltas) = (self.numbers("node_vertex_gap"), self.numbers("node_delta"));
+        let points = node_points(&gaps, &deltas, &vertices).ok_or("nodes.vertex.range")?;
+        let nearest = |&point: &[i64; 3]| self.vertex_label(closest(point, &vertices).unwrap_or(0));
+        let labels: Vec<u8> = points.iter().map(nearest).collect();
         let unit = 1 << self.fraction_bits();
         let node = |(index, point): (usize, &[i64; 3])| Node {
             position: point.map(|coordinate| coordinate * unit),
@@ -140,15 +196,15 @@ impl Oracle {
             region: self.region_of(labels[index]),
             affine: self.is_affine(index, labels[index]),
         };
-        let nodes: Vec<Node> = points.iter().enumerate().map(node).collect();
-        self.nodes = nodes;
+        self.nodes = points.iter().enumerate().map(node).collect();
         self.settings.sigma = self.number("weight_sigma");
         let sites: Vec<_> =
             points.iter().zip(&self.nodes).map(|(&point, node)| (point, node.region)).collect();
         let slots = |(index, &vertex): (usize, &[i64; 3])| {
             bind(vertex, self.region_of(self.vertex_label(index)), &sites, &self.settings)
         };
-        self.influence = vertices.iter().enumerate().map(slots).collect::<Option<_>>()?;
+        let influence: Option<_> = vertices.iter().enumerate().map(slots).collect();
+        self.influence = influence.ok_or("deform.influence.strict")?;
         self.path = path(&Nodes {
             positions: &points,
             labels: &labels,
@@ -156,26 +212,7 @@ impl Oracle {
             body: number(&self.header, "label_set") == 1,
             up_axis: number(&self.header, "up_axis") as usize,
         });
-        Some(())
-    }
-
-    /// 6.5: positions of the nodes in grid steps.
-    fn node_points(&self) -> Vec<[i64; 3]> {
-        if self.number("node_coding") == 1 {
-            let mut point = [0; 3];
-            let step = |delta: [i64; 3]| {
-                point = [0, 1, 2].map(|axis| point[axis] + delta[axis]);
-                point
-            };
-            return self.triples("node_delta").into_iter().map(step).collect();
-        }
-        let mut vertex = -1;
-        let mut points = Vec::new();
-        for gap in &self.unit["node_vertex_gap"] {
-            vertex += 1 + gap.number() as i64;
-            points.push(self.mesh.positions[vertex as usize].map(i64::from));
-        }
-        points
+        Ok(())
     }
 
     fn is_affine(&self, node: usize, label: u8) -> bool {
@@ -187,8 +224,9 @@ impl Oracle {
         }
     }
 
-    fn motion_frame(&mut self) -> Option<()> {
-        self.previous = self.translations();
+    /// Chapter 7, 8.3 and 8.4
+    fn motion_frame(&mut self) -> Result<(), Rule> {
+        self.previous = self.translations()?;
         let motions = self.motions(&self.previous.0);
         let transforms: Vec<_> =
             self.nodes.iter().zip(&motions).map(|(node, motion)| transform(node, motion)).collect();
@@ -196,117 +234,21 @@ impl Oracle {
         let moved = |(&x, slots)| blend(x, slots, &transforms, fraction_bits);
         let reference: Option<Vec<_>> =
             self.reference.iter().zip(&self.influence).map(moved).collect();
-        self.reference = reference?;
+        self.reference = reference.ok_or("deform.position.range")?;
+        let before = self.nodes.clone();
         for (node, motion) in self.nodes.iter_mut().zip(&motions) {
             for axis in 0..3 {
                 node.position[axis] += motion.translation[axis];
                 if node.position[axis].abs() >= 1 << (20 + fraction_bits) {
-                    return None;
+                    return Err("deform.nodes.move");
                 }
             }
         }
-        self.show('P')
-    }
-
-    /// P(s), four times T(s), of 7.2.
-    fn step(&self, name: &str) -> i64 {
-        let s = self.number(name) as u32;
-        i64::from(4 + s % 4) << (s / 4)
-    }
-
-    /// 7.3 and 7.4: the translations of the nodes, and T(s).
-    fn translations(&self) -> (Vec<[i64; 3]>, i64) {
-        let step = self.step("translation_step") / 4;
-        let values = self.triples("translation");
-        let (before, previous_step) = &self.previous;
-        let add = |a: [i64; 3], b: [i64; 3], step: i64| [0, 1, 2].map(|k| a[k] + b[k] * step);
-        let mut translations = vec![[0; 3]; values.len()];
-        match self.number("translation_mode") {
-            0 => {
-                for node in 0..values.len() {
-                    translations[node] = add([0; 3], values[node], step);
-                }
-            }
-            1 => {
-                for &(node, predecessor) in &self.path {
-                    let prediction = predecessor.map_or([0; 3], |before| translations[before]);
-                    translations[node] = add(prediction, values[node], step);
-                }
-            }
-            _ => {
-                let changes = self.triples("translation_change");
-                let parts: BTreeSet<u8> = self.nodes.iter().map(|node| node.label).collect();
-                for (node, value) in values.into_iter().enumerate() {
-                    let label = self.nodes[node].label;
-                    let part = parts.iter().take_while(|&&part| part < label).count();
-                    let prediction = add(before[node], changes[part], *previous_step);
-                    translations[node] = add(prediction, value, step);
-                }
-            }
-        }
-        (translations, step)
-    }
-
-    /// Chapter 7: the values of every node.
-    fn motions(&self, translations: &[[i64; 3]]) -> Vec<Motion> {
-        let mut rotations = self.triples("rotation").into_iter();
-        let mut scales = self.triples("scale").into_iter();
-        let mut shears = self.triples("shear").into_iter();
-        let flag = |name: &str, node: &Node| node.affine && self.number(name) == 1;
-        let value = |q: i64, name: &str| (q * self.step(name)) as f64 / 65536.0;
-        let of_node = |(node, &translation): (&Node, &[i64; 3])| {
-            let rotates = !node.affine || flag("rotation_enabled", node);
-            let next = |carries: bool, list: &mut std::vec::IntoIter<[i64; 3]>| {
-                if carries { list.next().unwrap_or([0; 3]) } else { [0; 3] }
-            };
-            let angles = next(rotates, &mut rotations);
-            let scale = next(flag("scale_enabled", node), &mut scales);
-            let shear = next(flag("shear_enabled", node), &mut shears);
-            Motion {
-                translation,
-                angles: angles.map(|q| value(q, "rotation_step")),
-                scale: scale.map(|q| 1.0 + value(q, "scale_step")),
-                shear: shear.map(|q| value(q, "shear_step")),
-            }
-        };
-        self.nodes.iter().zip(translations).map(of_node).collect()
-    }
-
-    /// 9.5: the frame as a line; `None` where its own digest is another.
-    fn show(&mut self, kind: char) -> Option<()> {
-        let positions = &self.reference;
-        let numbers = |list: &mut dyn Iterator<Item = i64>| -> Vec<u8> {
-            list.flat_map(|number| (number as i32).to_le_bytes()).collect()
-        };
-        let vertices = numbers(&mut positions.iter().flatten().copied());
-        let faces = numbers(&mut self.mesh.faces.iter().flatten().map(|&i| i64::from(i)));
-        let counts = [positions.len() as i64, self.mesh.faces.len() as i64];
-        let [vertex_count, face_count] = counts.map(|count| numbers(&mut [count].into_iter()));
-        let agrees = |name: &str, bytes: &[u8]| match self.unit.get(name).map(|v| v[0].number()) {
-            Some(digest) => sha256(bytes)[..16] == format!("{digest:016x}"),
-            None => true,
-        };
-        let sound = agrees("positions_digest", &[vertex_count.clone(), vertices.clone()].concat())
-            && agrees("faces_digest", &[face_count.clone(), faces.clone()].concat());
-        let digest = sha256(&[vertex_count, face_count, vertices, faces].concat());
-        let index = self.frames.len();
-        self.frames.push(format!("{index} {kind} {} {} {digest}", counts[0], counts[1]));
-        sound.then_some(())
+        let predicted = self.reference.clone();
+        self.show('P', &predicted, Some((&before, &transforms)))
     }
 }
 
 fn number(values: &HashMap<String, Vec<Value>>, name: &str) -> i128 {
     values.get(name).and_then(|values| values.first()).map_or(0, Value::number)
-}
-
-/// 6.5: the closest vertex, of equally close ones the lowest.
-fn closest(point: [i64; 3], vertices: &[[i64; 3]]) -> usize {
-    let squared =
-        |vertex: &[i64; 3]| -> i64 { (0..3).map(|axis| (vertex[axis] - point[axis]).pow(2)).sum() };
-    let by_distance = |&index: &usize| (squared(&vertices[index]), index);
-    (0..vertices.len()).min_by_key(by_distance).unwrap_or(0)
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

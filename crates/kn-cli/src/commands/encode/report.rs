@@ -3,7 +3,7 @@
 use crate::arguments::Global;
 use crate::stream;
 use crate::table::grouped;
-use kn_codec::{FrameReport, Summary};
+use kn_codec::{FrameReport, Summary, TranslationMode};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -38,6 +38,7 @@ struct CodedEntry {
     faces: u32,
     nodes: u32,
     combination: Option<&'static str>,
+    translation: Option<&'static str>,
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
@@ -66,6 +67,7 @@ impl Report {
             faces: frame.faces,
             nodes: frame.nodes,
             combination: frame.combination.map(|combination| combination.name()),
+            translation: frame.translation.map(TranslationMode::name),
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,

@@ -375,6 +375,18 @@ mod tests {
     }
 
     #[test]
+    fn the_configurations_of_the_repository_are_sound() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rd"));
+        if !folder.exists() {
+            eprintln!("skipped: docs/rd is absent");
+            return;
+        }
+        let read = |name: &str| Config::read(&folder.join(name)).expect("sound");
+        assert!(read("example.toml").sequences.iter().all(|one| one.performer.is_some()));
+        assert_eq!(read("ablation.toml").rates.len(), 4);
+    }
+
+    #[test]
     fn variables_are_put_in() {
         let variable = |name: &str| (name == "A").then(|| "x y".to_owned());
         assert_eq!(substituted("${A}/b${A}", variable).expect("set"), "x y/bx y");

@@ -55,6 +55,18 @@ impl Quality {
         self != Self::Msdm2
     }
 
+    /// Which points of a line, by rising rate, have a value that no cheaper point reaches.
+    pub(super) fn front(self, line: &[(f64, f64, &str)]) -> Vec<bool> {
+        let mut best = f64::NEG_INFINITY;
+        let is_better = |point: &(f64, f64, &str)| {
+            let value = self.increasing(point.1);
+            let better = value > best;
+            best = best.max(value);
+            better
+        };
+        line.iter().map(is_better).collect()
+    }
+
     /// What enters the Bjøntegaard delta: the larger, the better.
     fn increasing(self, value: f64) -> f64 {
         if self.is_larger_better() { value } else { 1.0 - value }

@@ -105,7 +105,7 @@ impl Material<'_> {
     fn legend(&self) -> String {
         let item = |(look, codec): (usize, &&str)| {
             let foreign = self.curves.iter().any(|c| c.codec == **codec && c.foreign);
-            let dashes = if foreign { " stroke-dasharray=\"5 3\"" } else { "" };
+            let dashes = style::dashes(foreign);
             format!(
                 "<li><svg viewBox=\"0 0 34 14\" aria-hidden=\"true\"><line class=\"curve\" \
                  stroke=\"{}\"{dashes} x1=\"1\" x2=\"33\" y1=\"7\" y2=\"7\"/>{}</svg>{}</li>\n",

@@ -23,7 +23,7 @@ pub(super) struct Study {
 }
 
 /// One sequence.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct SequenceInfo {
     pub(super) name: String,
     pub(super) input: String,

@@ -75,28 +75,23 @@ impl Sequence {
             Some(labels) => inputs.with_labels(labels)?,
             None => inputs,
         };
-        let range = entry.frame_range()?;
-        let frames = frames_in(&range, inputs.len())?;
+        let frames = frames_in(&entry.frame_range()?, inputs.len())?;
         let look = Look::at(&inputs, frames.clone(), global)?;
         let clean_bounds = look.clean_bounds.context("no frame has a vertex")?;
         ensure!(clean_bounds.diagonal() > 0.0, "all vertices are at one point");
         let rate = entry.frame_rate()?;
         let scale = Scale::from(clean_bounds);
-        let count = frames.len() as f64;
+        let info = SequenceInfo {
+            name: entry.name.clone(),
+            input: source.display().to_string(),
+            first: frames.start as u64,
+            fps: rate.per_second(),
+            side: scale.side(),
+            diagonal: scale.diagonal(),
+            ..look.info()
+        };
         Ok(Self {
-            info: SequenceInfo {
-                name: entry.name.clone(),
-                input: source.display().to_string(),
-                frames: frames.len() as u64,
-                first: frames.start as u64,
-                fps: rate.per_second(),
-                vertices: look.vertices as f64 / count,
-                faces: look.faces as f64 / count,
-                labelled: look.labelled,
-                side: scale.side(),
-                diagonal: scale.diagonal(),
-                digest: hex(look.digest),
-            },
+            info,
             inputs,
             bare,
             frames,
@@ -223,6 +218,19 @@ impl Look {
             bar.step();
         }
         Ok(look)
+    }
+
+    /// What is known of the frames alone.
+    fn info(&self) -> SequenceInfo {
+        let count = self.files.len();
+        SequenceInfo {
+            frames: count as u64,
+            vertices: self.vertices as f64 / count as f64,
+            faces: self.faces as f64 / count as f64,
+            labelled: self.labelled,
+            digest: hex(self.digest.clone()),
+            ..SequenceInfo::default()
+        }
     }
 
     fn take(&mut self, mesh: &Mesh) {

@@ -81,6 +81,24 @@ impl Axes {
     }
 
     fn draw(&self, svg: &mut String, quality: Quality) {
+        self.draw_grid(svg);
+        let (right, bottom) = (WIDTH - MARGINS[1], HEIGHT - MARGINS[3]);
+        let note = if quality.is_larger_better() { "" } else { ", smaller is better" };
+        let (middle, height) = ((MARGINS[0] + right) / 2.0, (MARGINS[2] + bottom) / 2.0);
+        push(
+            svg,
+            format_args!(
+                "<text class=\"axis\" x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">kB a frame</text>\
+             <text class=\"axis\" transform=\"translate(14 {height}) rotate(-90)\" \
+             text-anchor=\"middle\">{}{}{note}</text>\n",
+                HEIGHT - 8.0,
+                quality.title(),
+                quality.unit(),
+            ),
+        );
+    }
+
+    fn draw_grid(&self, svg: &mut String) {
         let (right, bottom) = (WIDTH - MARGINS[1], HEIGHT - MARGINS[3]);
         let digits = decimals(&self.y_ticks);
         for &tick in &self.y_ticks {
@@ -108,47 +126,22 @@ impl Axes {
                 ),
             );
         }
-        let note = if quality.is_larger_better() { "" } else { ", smaller is better" };
-        let (middle, height) = ((MARGINS[0] + right) / 2.0, (MARGINS[2] + bottom) / 2.0);
-        push(
-            svg,
-            format_args!(
-                "<text class=\"axis\" x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">kB a frame</text>\
-             <text class=\"axis\" transform=\"translate(14 {height}) rotate(-90)\" \
-             text-anchor=\"middle\">{}{}{note}</text>\n",
-                HEIGHT - 8.0,
-                quality.title(),
-                quality.unit(),
-            ),
-        );
     }
 }
 
 /// A line through the points that no other dominates, and a marker for each point.
 fn draw_line(svg: &mut String, line: &Line<'_>, quality: Quality, axes: &Axes) {
     let points = line.curve.line(quality, Share::All);
-    let colour = style::colour(line.look);
-    let mut best: Option<f64> = None;
-    let better = |value: f64, best: f64| {
-        if quality.is_larger_better() { value > best } else { value < best }
-    };
-    let on_front: Vec<bool> = points
-        .iter()
-        .map(|point| {
-            let front = best.is_none_or(|best| better(point.1, best));
-            best = if front { Some(point.1) } else { best };
-            front
-        })
-        .collect();
+    let front = quality.front(&points);
     let place = |point: &(f64, f64, &str)| (axes.across(point.0 / 1000.0), axes.down(point.1));
     let path: Vec<String> = points
         .iter()
-        .zip(&on_front)
+        .zip(&front)
         .filter(|(_, front)| **front)
         .map(|(point, _)| place(point))
         .map(|(x, y)| format!("{x:.1},{y:.1}"))
         .collect();
-    let dashes = if line.curve.foreign { " stroke-dasharray=\"5 3\"" } else { "" };
+    let (colour, dashes) = (style::colour(line.look), style::dashes(line.curve.foreign));
     push(
         svg,
         format_args!(
@@ -156,7 +149,7 @@ fn draw_line(svg: &mut String, line: &Line<'_>, quality: Quality, axes: &Axes) {
             path.join(" ")
         ),
     );
-    for (point, front) in points.iter().zip(on_front) {
+    for (point, front) in points.iter().zip(front) {
         let (x, y) = place(point);
         let faint = if front { "" } else { " opacity=\"0.4\"" };
         push(

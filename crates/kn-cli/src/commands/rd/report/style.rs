@@ -30,3 +30,8 @@ pub(super) fn marker(look: usize, x: f64, y: f64) -> String {
         _ => polygon(&[(0.0, 4.8), (4.6, -3.4), (-4.6, -3.4)]),
     }
 }
+
+/// How a line is drawn whose numbers come from a table.
+pub(super) fn dashes(foreign: bool) -> &'static str {
+    if foreign { " stroke-dasharray=\"5 3\"" } else { "" }
+}

@@ -1,0 +1,86 @@
+//! What a payload can make the decoder of I-frames allocate. Alone in its process: it counts every
+//! byte of it.
+
+use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_mesh::{Grid, GridMesh};
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Bytes for each byte of a payload, as `docs/notes/intra.md` states.
+const FACTOR: usize = 2048 * PER_ELEMENT;
+/// Bytes for each face or vertex of a sound mesh, as stated there.
+const PER_ELEMENT: usize = 128;
+/// Tables and models, whatever the payload.
+const FIXED: usize = 1 << 20;
+
+const LIMITS: IntraLimits = IntraLimits { max_vertices: 1 << 21, max_faces: 1 << 22 };
+
+/// Greatest number of bytes held at once while a new decoder takes the payload.
+fn peak(payload: &[u8]) -> usize {
+    let mut mesh = GridMesh::default();
+    let mut decoder = IntraDecoder::default();
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    // Refused or not: only memory counts here.
+    let _ = decode_intra(payload, &LIMITS, &mut decoder, &mut mesh);
+    ALLOCATOR.peak_usage().saturating_sub(before)
+}
+
+fn performer() -> (GridMesh, Vec<u8>) {
+    let config = PerformerConfig { vertices: 20_000, ..PerformerConfig::default() };
+    let mesh = Performer::new(config).expect("sound settings").frame(0);
+    let bounds = mesh.bounding_box().expect("vertices");
+    let grid = Grid { origin: bounds.min, step: bounds.longest_side() / 2047.0 };
+    let positions = grid.quantise(&mesh.positions).expect("inside");
+    let mesh = GridMesh { positions, faces: mesh.faces, labels: mesh.labels };
+    let mut payload = Vec::new();
+    encode_intra(&mesh, &mut payload).expect("a sound mesh");
+    (mesh, payload)
+}
+
+/// A header that announces as much as its bytes allow, then zeros.
+fn announcing(vertices: u32, faces: u32, len: usize) -> Vec<u8> {
+    let mut bytes = vec![0, 0];
+    for mut count in [vertices, vertices, faces, faces, 0, 0, 0, 0, 0] {
+        while count >= 0x80 {
+            bytes.push(count as u8 | 0x80);
+            count >>= 7;
+        }
+        bytes.push(count as u8);
+    }
+    bytes.resize(len, 0);
+    bytes
+}
+
+#[test]
+fn memory_is_bounded_by_the_payload() {
+    let (mesh, payload) = performer();
+    let elements = mesh.positions.len() + mesh.faces.len();
+    let sound = peak(&payload);
+    eprintln!("a sound mesh: {sound} bytes, {} an element", sound / elements);
+    assert!(sound <= PER_ELEMENT * elements + FIXED);
+
+    let mut worst = 0;
+    for len in [64, 256, 1024] {
+        let most = 2048 * len as u32;
+        for (vertices, faces) in [(most, 0), (0, most), (most / 3, 2 * (most / 3))] {
+            let peak = peak(&announcing(vertices, faces, len));
+            worst = worst.max(peak.saturating_sub(FIXED) / len);
+            assert!(peak <= FACTOR * len + FIXED, "{vertices}, {faces}: {peak}");
+        }
+    }
+    // Every byte of the beginning, where the counts are, and some of the rest.
+    for at in (0..40).chain((40..payload.len()).step_by(997)) {
+        for value in [0x00, 0x7f, 0x80, 0xff] {
+            let mut harmed = payload.clone();
+            harmed[at] = value;
+            let peak = peak(&harmed);
+            worst = worst.max(peak.saturating_sub(FIXED) / harmed.len());
+            assert!(peak <= FACTOR * harmed.len() + FIXED, "byte {at} = {value}: {peak}");
+        }
+    }
+    eprintln!("at worst {worst} bytes for a byte of payload");
+}

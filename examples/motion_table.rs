@@ -1,0 +1,172 @@
+//! What P-frames lose, frame by frame, with rigid and with affine key nodes.
+//!
+//! `cargo run --release --example motion_table -- [FOLDER FIRST COUNT]`
+//!
+//! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one group: an
+//! I-frame at 11 bits and P-frames that are chained. Body parts come from the segmenter. Distances
+//! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
+//! 11 of `../shared/data/dancer`, and where that is absent a few of the performer.
+
+use anyhow::{Context, Result, ensure};
+use kn_codec::{AffineChoice, Decoder, Encoder, EncoderConfig, GridChoice};
+use kn_deform::WeightScheme;
+use kn_fit::segment::{SegmentOptions, Segmenter, TORSO};
+use kn_mesh::io::{Inputs, ReadOptions};
+use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_mesh::{BoundingBox, Mesh, clean};
+use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2, p2s};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Area-uniform samples on each surface.
+const SAMPLES: usize = 100_000;
+
+/// One setting of the table.
+struct Setting {
+    name: &'static str,
+    nodes: usize,
+    affine: AffineChoice,
+    weights: WeightScheme,
+    labelled: bool,
+}
+
+fn settings() -> Vec<Setting> {
+    use WeightScheme::{InverseSquare, Sumner};
+    let row = |name, nodes, weights, affine: AffineChoice| {
+        let labelled = matches!(affine, AffineChoice::Labels(_));
+        Setting { name, nodes, affine, weights, labelled }
+    };
+    let torso = || AffineChoice::Labels(vec![TORSO]);
+    vec![
+        row("rigid, 300 nodes, Sumner", 300, Sumner, AffineChoice::None),
+        row("rigid, 300 nodes", 300, InverseSquare, AffineChoice::None),
+        row("rigid, 150 nodes", 150, InverseSquare, AffineChoice::None),
+        row("affine torso, 150 nodes", 150, InverseSquare, torso()),
+        row("affine torso, 150 nodes, Sumner", 150, Sumner, torso()),
+        row("all affine, 150 nodes", 150, InverseSquare, AffineChoice::All),
+        row("all affine, 150 nodes, Sumner", 150, Sumner, AffineChoice::All),
+    ]
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let dancer = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/dancer"));
+    let (frames, bounds) = match &arguments[..] {
+        [folder, first, count] => read(folder.into(), first.parse()?, count.parse()?)?,
+        [] if dancer.exists() => read(dancer.into(), 4, 8)?,
+        [] => performer()?,
+        _ => anyhow::bail!("usage: motion_table [FOLDER FIRST COUNT]"),
+    };
+    let mut segmenter = Segmenter::new(SegmentOptions::default());
+    let labelled = frames.iter().map(|frame| {
+        let labels = segmenter.segment(&frame.positions, &frame.faces)?.labels;
+        Ok(Mesh { labels, ..frame.clone() })
+    });
+    let labelled: Vec<Mesh> = labelled.collect::<Result<_>>()?;
+    let surfaces: Vec<Surface> = frames.iter().skip(1).map(Surface::new).collect::<Result<_>>()?;
+    for setting in settings() {
+        let frames = if setting.labelled { &labelled } else { &frames };
+        let (bytes, decoded) = code(frames, &setting, bounds)?;
+        let measured = surfaces.iter().zip(&decoded[1..]);
+        let measured = measured.map(|(scan, shown)| scan.measure(&Surface::new(shown)?, &bounds));
+        print_setting(&setting, bytes, &measured.collect::<Result<Vec<_>>>()?);
+    }
+    Ok(())
+}
+
+/// Cleaned frames of a folder, and the box of all that are in it.
+fn read(folder: PathBuf, first: usize, count: usize) -> Result<(Vec<Mesh>, BoundingBox)> {
+    let inputs = Inputs::find(&[folder], ReadOptions::default())?;
+    let mut bounds: Option<BoundingBox> = None;
+    let mut frames = Vec::new();
+    for frame in inputs.frames() {
+        let frame = frame?;
+        bounds = match (bounds, frame.mesh.bounding_box()) {
+            (Some(a), Some(b)) => Some(a.union(b)),
+            (a, b) => a.or(b),
+        };
+        let number = frame.path.file_stem().and_then(|stem| stem.to_str()?.get(6..)?.parse().ok());
+        if number.is_some_and(|number: usize| (first..first + count).contains(&number)) {
+            frames.push(clean(&frame.mesh)?.mesh);
+        }
+    }
+    ensure!(frames.len() == count, "{} of the {count} frames were found", frames.len());
+    Ok((frames, bounds.context("the frames have no box")?))
+}
+
+fn performer() -> Result<(Vec<Mesh>, BoundingBox)> {
+    let config = PerformerConfig { vertices: 4_000, ..PerformerConfig::default() };
+    let performer = Performer::new(config)?;
+    let unlabelled = |index| Mesh { labels: Vec::new(), ..performer.frame(index) };
+    let frames: Vec<Mesh> = (0..3).map(unlabelled).collect();
+    let boxes = frames.iter().filter_map(Mesh::bounding_box);
+    let bounds = boxes.reduce(|a, b| a.union(b)).context("the figure has no box")?;
+    Ok((frames, bounds))
+}
+
+/// The bytes of the P-frames, and all frames as they are decoded.
+fn code(frames: &[Mesh], setting: &Setting, bounds: BoundingBox) -> Result<(u64, Vec<Mesh>)> {
+    let config = EncoderConfig {
+        grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
+        group_length: u8::try_from(frames.len())?,
+        nodes: setting.nodes,
+        affine: setting.affine.clone(),
+        weights: setting.weights,
+        ..EncoderConfig::default()
+    };
+    let mut encoder = Encoder::new(Vec::new(), config)?;
+    for frame in frames {
+        encoder.push(frame)?;
+    }
+    let finished = encoder.finish()?;
+    let mut decoder = Decoder::new(Cursor::new(finished.writer))?;
+    let (mut decoded, mut mesh) = (Vec::new(), Mesh::default());
+    while decoder.next_frame(&mut mesh)?.is_some() {
+        decoded.push(mesh.clone());
+    }
+    Ok((finished.summary.predicted_bytes, decoded))
+}
+
+/// A mesh with what its distortion is measured on.
+struct Surface {
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    tree: TriangleTree,
+    perceptual: Msdm2Surface,
+}
+
+/// P2S and Hausdorff in 1e-4 of the diagonal, and MSDM2.
+type Distortion = [f64; 3];
+
+impl Surface {
+    fn new(mesh: &Mesh) -> Result<Self> {
+        let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
+        Ok(Self {
+            tree: TriangleTree::new(&positions, &faces)?,
+            perceptual: Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?,
+            positions,
+            faces,
+        })
+    }
+
+    fn measure(&self, shown: &Self, bounds: &BoundingBox) -> Result<Distortion> {
+        let side = |surface| -> (&[[f64; 3]], &[[u32; 3]], &TriangleTree) {
+            let Self { positions, faces, tree, .. }: &Self = surface;
+            (positions, faces, tree)
+        };
+        let distance = p2s(side(self), side(shown), SAMPLES)?;
+        let perceptual = msdm2(&self.perceptual, &shown.perceptual, Interpolation::AtVertex);
+        let unit = 1e-4 * bounds.diagonal();
+        Ok([distance.rms() / unit, distance.hausdorff() / unit, perceptual.symmetric])
+    }
+}
+
+fn print_setting(setting: &Setting, bytes: u64, frames: &[Distortion]) {
+    let count = frames.len() as f64;
+    let mean = |number: usize| frames.iter().map(|frame| frame[number]).sum::<f64>() / count;
+    println!("{}, {:.0} bytes a P-frame", setting.name, bytes as f64 / count);
+    for (number, name, digits) in [(0, "P2S", 1), (2, "MSDM2", 3), (1, "Hausdorff", 0)] {
+        let each = frames.iter().map(|frame| format!(" {:6.digits$}", frame[number]));
+        println!("  {name:9}{} | {:.*}", each.collect::<String>(), digits + 1, mean(number));
+    }
+}
