@@ -81,3 +81,13 @@ fn threads_do_not_matter() {
     let one = run(1);
     assert!(one == run(2) && one == run(8));
 }
+
+#[test]
+fn isolated_vertices_are_measured() {
+    let triangle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let far = [triangle[0], triangle[1], triangle[2], [0.0, 0.0, 3.0]];
+    let [a, b] = [&triangle[..], &far].map(|p| PointCloud::from_vertices(p, &[[0, 1, 2]]).unwrap());
+    assert_eq!((a.len(), b.len()), (3, 4));
+    // The farther point is three away from its nearest, the other three are nowhere apart.
+    assert_eq!(point_distortion(&a, &b).d1, (0.0, 9.0 / 4.0));
+}

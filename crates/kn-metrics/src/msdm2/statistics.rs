@@ -70,13 +70,23 @@ impl Samples {
         let mut moments = Moments::default();
         let (inside, leaving) = self.blocks.split_at(self.inside);
         for [w1, w2, a, b] in inside {
-            moments.add(a, b, &w1.map(exp_of_negative), &w2.map(exp_of_negative));
+            moments.add(a, b, &weights(w1), &weights(w2));
         }
         for [w1, w2, a, b] in leaving {
-            moments.add(a, b, w1, &w2.map(exp_of_negative));
+            moments.add(a, b, w1, &weights(w2));
         }
         moments
     }
+}
+
+/// A loop, since `map` over an array stays a call of its own that keeps no vector in a register.
+#[inline(always)]
+fn weights(exponents: &[f64; LANES]) -> [f64; LANES] {
+    let mut weights = [0.0; LANES];
+    for lane in 0..LANES {
+        weights[lane] = exp_of_negative(exponents[lane]);
+    }
+    weights
 }
 
 #[inline(always)]

@@ -144,6 +144,54 @@ fn orientation_does_not_matter() {
     assert!(found.symmetric < 1e-12, "{}", found.symmetric);
 }
 
+/// The pair `torus_scale2` of the oracle by its recipe: a torus written with nine digits, against
+/// the double of what was written.
+#[test]
+fn an_oracle_pair_made_by_its_recipe_keeps_its_values() {
+    let written = |x: f64| format!("{x:.8e}").parse::<f64>().unwrap();
+    let positions = torus(64, 32, |_| 0.0).0;
+    // The diagonals of its quads alternate.
+    let quad = |index: u32| {
+        let (i, j) = (index / 32, index % 32);
+        let at = |i: u32, j: u32| i % 64 * 32 + j % 32;
+        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+        if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    };
+    let faces: Vec<[u32; 3]> = (0..64 * 32).flat_map(quad).collect();
+    let original: Vec<Vec3> = positions.iter().map(|p| p.map(written)).collect();
+    let double = original.iter().map(|p| p.map(|x| written(2.0 * x))).collect();
+    let (a, b) = (surface(&(original, faces.clone())), surface(&(double, faces)));
+    let near = |found: f64, expected: f64, tolerance| {
+        assert!((found - expected).abs() < tolerance, "{found} instead of {expected}");
+    };
+    let projected = msdm2(&a, &b, Interpolation::Projected);
+    near(projected.forward.score, 0.144636579562, 1e-5);
+    near(projected.backward.score, 0.154604076884, 1e-5);
+    // Three times what re-ordering moves the reference's own score by.
+    near(msdm2(&a, &b, Interpolation::AtVertex).symmetric, 0.142797851801, 3.0 * 0.00167);
+}
+
+#[test]
+fn each_direction_has_its_own_unit() {
+    let small = surface(&torus(40, 20, |i| 0.01 * noise(i)));
+    let (positions, faces) = torus(40, 20, |i| 0.01 * noise(i + 900));
+    let large = surface(&(positions.iter().map(|p| p.map(|x| 1.5 * x)).collect(), faces));
+    let found = msdm2(&small, &large, Interpolation::AtVertex);
+    let swapped = msdm2(&large, &small, Interpolation::AtVertex);
+    // The box of the distorted mesh decides, whichever is called the reference.
+    assert_eq!((&found.forward, &found.backward), (&swapped.backward, &swapped.forward));
+    assert!(large.side > 1.4 * small.side && found.forward.score != found.backward.score);
+}
+
+#[test]
+fn a_single_flipped_face_is_taken_in_the_order_of_indices() {
+    let (positions, mut faces) = torus(40, 20, |i| 0.01 * noise(i));
+    let clean = surface(&(positions.clone(), faces.clone()));
+    faces[300].swap(1, 2);
+    let found = msdm2(&clean, &surface(&(positions, faces)), Interpolation::Projected);
+    assert!(found.symmetric > 0.0 && found.symmetric < 1.0, "{}", found.symmetric);
+}
+
 #[test]
 fn bad_input_is_named() {
     let (positions, faces) = torus(5, 4, |_| 0.0);
