@@ -32,8 +32,8 @@ struct Setting {
 }
 
 fn settings() -> Vec<Setting> {
-    use WeightScheme::{InverseSquare, Sumner};
     use NodePlacement::{Farthest, Generated};
+    use WeightScheme::{InverseSquare, Sumner};
     let row = |name, nodes, weights, placement, affine: AffineChoice| {
         let labelled = matches!(affine, AffineChoice::Labels(_));
         Setting { name, nodes, affine, weights, placement, labelled }
