@@ -164,7 +164,7 @@ mod tests {
             values.as_flattened().iter().map(length).sum()
         };
         let before = group.dictionary().map_or(0, |dictionary| dictionary.table);
-        group.decode(&motion).expect("in range");
+        group.decode(&motion, 1 << 28).expect("in range");
         bits(&motion.translation_change, before)
             + bits(&motion.translation, motion.translation_table)
     }
