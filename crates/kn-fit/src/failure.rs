@@ -13,6 +13,8 @@ use crate::vec3::{Vec3, add, distance, scale};
 const FAR: f64 = 0.025;
 /// ... and a frame is not explained when one such region stands for this share of the area.
 const UNEXPLAINED: f64 = 0.004;
+/// ... and for that of so many vertices: on a coarse mesh the scanner's holes are that large.
+const FEW: f64 = 16.0;
 /// More far points than this are one region without a closer look.
 const MANY: usize = 4000;
 /// An edge is torn when it has grown to this many times its length in the group's first frame ...
@@ -26,6 +28,8 @@ const GAPING: f64 = 0.25;
 const TEAR: f64 = 0.12;
 /// ... or when this share of the area of either mesh found no partner,
 const UNMATCHED: f64 = 0.05;
+/// (of a coarse mesh, that of so many vertices: more of its surface lies near a border)
+const MANY_UNMATCHED: f64 = 150.0;
 /// ... or when the 95th percentile of the distances is this many times that of any earlier frame
 /// of the group,
 const WORSE: f64 = 3.0;
@@ -127,7 +131,8 @@ impl Watch {
     fn unusual(&self, outcome: &Outcome) -> Option<FitFailure> {
         let report = outcome.report;
         let share = report.source_to_target.unmatched.max(report.target_to_source.unmatched);
-        if share > UNMATCHED {
+        let vertices = outcome.deformed.positions.len().min(outcome.target.positions.len());
+        if share > UNMATCHED.max(MANY_UNMATCHED / vertices as f64) {
             return Some(FitFailure::Unmatched { share });
         }
         let (now, worst) = (p95(report), self.worst?);
@@ -152,9 +157,12 @@ fn unexplained(outcome: &Outcome) -> Option<FitFailure> {
     let limit = FAR * target.diagonal;
     let lost = far_region(&matches.forward, &group.all, &deformed.positions, limit);
     let new = far_region(&matches.backward, &target.sample, &target.positions, limit);
-    if lost.0 >= UNEXPLAINED && lost.0 >= new.0 {
+    let notable = |vertices: usize| UNEXPLAINED.max(FEW / vertices as f64);
+    let is_lost = lost.0 >= notable(deformed.positions.len());
+    let is_new = new.0 >= notable(target.positions.len());
+    if is_lost && (!is_new || lost.0 >= new.0) {
         Some(FitFailure::SourceUnexplained { share: lost.0, vertex: lost.1 })
-    } else if new.0 >= UNEXPLAINED {
+    } else if is_new {
         Some(FitFailure::TargetUnexplained { share: new.0, vertex: new.1 })
     } else {
         None

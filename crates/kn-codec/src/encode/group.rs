@@ -12,7 +12,8 @@ use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader, rule};
+use kn_deform::BindError;
 use kn_fit::{FitError, FitTarget};
 use kn_mesh::{Grid, GridMesh, Mesh};
 
@@ -193,24 +194,28 @@ impl GroupEncoder {
         let target = |offset: usize| fit_target(&predicted[offset], grid, frame + offset as u64);
         let intra = self.reconstruction.intra();
         let chooser = NodeChooser::new(&self.config, &self.header.labels, intra);
-        let fail = |error: FitError| input(error.to_string());
+        let fail = |error: FitError| match error {
+            FitError::Bind(BindError::RegionWithoutNodes { vertex, .. }) => {
+                input(without_nodes(intra.labels.get(vertex)))
+            }
+            other => input(other.to_string()),
+        };
         let nodes = chooser.choose(predicted.len(), target, fail)?;
-        self.reconstruction.place(&nodes).map_err(|rule| match self.bare_part() {
-            Some(part) => input(format!("{}: there is none for {part}", broken(rule))),
-            None => input(broken(rule)),
+        self.reconstruction.place(&nodes).map_err(|refused| match self.bare_label() {
+            Some(label) => input(without_nodes(Some(label))),
+            None => input(broken(refused)),
         })?;
         let mut bits = BitWriter::new();
         nodes.write(&mut bits);
         Ok(append_unit(out, unit::KEY_NODES, bits))
     }
 
-    /// A part with vertices whose region has no key node: what strict mode refuses.
-    fn bare_part(&self) -> Option<&'static str> {
+    /// A label of vertices whose region has no key node: what strict mode refuses.
+    fn bare_label(&self) -> Option<&u8> {
         let region = |&label: &u8| self.header.labels.region(label);
         let nodes: Vec<_> = self.reconstruction.nodes().labels.iter().map(region).collect();
         let labels = &self.reconstruction.intra().labels;
-        let bare = labels.iter().find(|label| !nodes.contains(&region(label)))?;
-        kn_bitstream::BODY_LABELS.get(usize::from(*bare)).map(|(name, _)| *name)
+        labels.iter().find(|label| !nodes.contains(&region(label)))
     }
 
     /// A P-frame; `None`, with nothing coded, where the motion does not explain it.
@@ -229,7 +234,7 @@ impl GroupEncoder {
         }
         let context = self.reconstruction.motion_context();
         let motion = self.motion.quantise(&self.reconstruction, &fit);
-        self.reconstruction.apply(motion).map_err(|rule| input(broken(rule)))?;
+        self.reconstruction.apply(motion).map_err(|broken_rule| input(broken(broken_rule)))?;
         let positions = self.reconstruction.reference();
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
@@ -259,6 +264,13 @@ fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
     let before = out.len();
     write_unit(out, unit_type, &bits.into_bytes());
     (out.len() - before) as u64
+}
+
+/// Strict mode refuses a group whose nodes leave out the region of this label.
+fn without_nodes(label: Option<&u8>) -> String {
+    let names = kn_bitstream::BODY_LABELS;
+    let part = label.and_then(|&label| names.get(usize::from(label))).map_or("a part", |l| l.0);
+    format!("{}: there is none for {part}", broken(rule::DEFORM_INFLUENCE_STRICT))
 }
 
 /// A rule that a frame would break, in the words of the specification.
