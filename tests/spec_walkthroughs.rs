@@ -213,8 +213,6 @@ fn eighths(x: i64) -> i64 {
 #[test]
 fn the_vertex_of_chapter_5_is_predicted_as_written() {
     let payload = tetrahedron();
-    let digits: String = payload.iter().map(|byte| format!("{byte:02x}")).collect();
-    eprintln!("{digits}");
     let limits = IntraLimits { max_vertices: 4, max_faces: 4 };
     let mut mesh = GridMesh::default();
     decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut mesh).expect("sound");
@@ -239,9 +237,8 @@ fn literal_prediction(positions: &[[i32; 3]]) -> Vec<String> {
     let onward = sum(&|[a, b, c], k| place(*a, k) + place(*b, k) - 2 * place(*c, k));
     let gates: i64 = sum(&|[a, b, _], k| (place(*b, k) - place(*a, k)).abs()).iter().sum();
     let normal = sum(&|[a, b, c], k| {
-        let cross = |i: usize, j: usize| {
-            (place(*a, i) - place(*b, i)) * (place(*c, j) - place(*b, j))
-        };
+        let cross =
+            |i: usize, j: usize| (place(*a, i) - place(*b, i)) * (place(*c, j) - place(*b, j));
         let [i, j] = [(k + 1) % 3, (k + 2) % 3];
         cross(i, j) - cross(j, i)
     });
