@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, Decimation, LabelChoice, NodePlacement, Preset, SmoothingChoice,
+    AffineChoice, Decimation, LabelChoice, NodePlacement, PartStart, Preset, SmoothingChoice,
     TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
@@ -194,6 +194,27 @@ impl From<AffineArgument> for AffineChoice {
             AffineArgument::None => Self::None,
             AffineArgument::Labels => Self::Labels(vec![TORSO]),
             AffineArgument::All => Self::All,
+        }
+    }
+}
+
+/// When labelled parts are first aligned rigidly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PartStartArgument {
+    /// Never
+    Off,
+    /// In every frame, as in the paper
+    On,
+    /// Where it leaves the mesh nearer to the scan
+    Auto,
+}
+
+impl From<PartStartArgument> for PartStart {
+    fn from(argument: PartStartArgument) -> Self {
+        match argument {
+            PartStartArgument::Off => Self::Off,
+            PartStartArgument::On => Self::On,
+            PartStartArgument::Auto => Self::Auto,
         }
     }
 }

@@ -2,7 +2,8 @@
 //! configuration.
 
 use crate::choices::{
-    self, AffineArgument, InfluenceArgument, NodeArgument, PlacementArgument, TranslationArgument,
+    self, AffineArgument, InfluenceArgument, NodeArgument, PartStartArgument, PlacementArgument,
+    TranslationArgument,
 };
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
@@ -45,6 +46,10 @@ pub(crate) struct Settings {
     /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
     #[arg(long, value_parser = choices::combination)]
     combination: Option<Combination>,
+    /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
+    /// their nodes move [default: auto]
+    #[arg(long, value_enum)]
+    part_start: Option<PartStartArgument>,
     /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
     /// [default: cost]
     #[arg(long, value_enum)]
@@ -96,6 +101,7 @@ impl Settings {
         config.placement = self.placement.map_or(config.placement, Into::into);
         config.influence = self.influence.map_or(config.influence, Into::into);
         config.combination = self.combination.unwrap_or(config.combination);
+        config.part_start = self.part_start.map_or(config.part_start, Into::into);
         config.translation = self.translation.map_or(config.translation, Into::into);
         config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);

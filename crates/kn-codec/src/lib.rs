@@ -26,3 +26,5 @@ pub use encode::{
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
 pub use kn_bitstream::{TranslationMode, UnitOfLength};
+#[cfg(feature = "encode")]
+pub use kn_fit::PartStart;

@@ -2,6 +2,7 @@
 
 use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 use kn_mesh::{BoundingBox, Grid};
 
 /// How the sequence's grid is chosen.
@@ -144,6 +145,9 @@ pub struct EncoderConfig {
     pub affine: AffineChoice,
     /// Components of affine nodes.
     pub combination: Combination,
+    /// Whether labelled parts are first aligned rigidly, before their nodes move (the paper's
+    /// segment-guided correspondence); nothing happens without labels.
+    pub part_start: PartStart,
     /// What translations are predicted from.
     pub translation: TranslationChoice,
     /// Quantiser step of translations in grid steps.
@@ -182,6 +186,7 @@ impl Default for EncoderConfig {
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: Combination::RTSH,
+            part_start: PartStart::Auto,
             translation: TranslationChoice::Cost,
             motion_step: 2.0,
             rotation_step: None,

@@ -68,7 +68,11 @@ impl MotionEncoder {
             Some(fitter) => fitter,
             none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
         };
-        let options = FitOptions { combination: self.config.combination, ..FitOptions::default() };
+        let options = FitOptions {
+            combination: self.config.combination,
+            part_start: self.config.part_start,
+            ..FitOptions::default()
+        };
         fitter.fit_frame(&source, target, &options).map_err(|error| error.to_string())
     }
 

@@ -3,6 +3,7 @@
 
 use crate::encode::config::{AffineChoice, EncoderConfig, LabelChoice, TranslationChoice};
 use kn_deform::{InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,16 @@ const PRESETS: &[Preset] = &[
         name: "affine",
         about: "bimodal with affine nodes everywhere",
         change: |config| config.affine = AffineChoice::All,
+    },
+    Preset {
+        name: "part-start-off",
+        about: "bimodal without segment-guided correspondence",
+        change: |config| config.part_start = PartStart::Off,
+    },
+    Preset {
+        name: "part-start-on",
+        about: "bimodal with segment-guided correspondence in every frame, as in the paper",
+        change: |config| config.part_start = PartStart::On,
     },
     Preset {
         name: "translation-direct",

@@ -1,11 +1,12 @@
 //! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
 
+use super::label_checks::LabelChecks;
 use crate::arguments::Global;
 use crate::parts;
 use crate::stream;
 use crate::table::grouped;
 use kn_codec::{FrameReport, Summary, TranslationMode};
-use kn_fit::segment::Segmentation;
+use kn_fit::segment::{LabelWarning, Segmentation};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -19,6 +20,7 @@ pub(super) struct Report {
     frames: Vec<FrameEntry>,
     cleaned: CleanReport,
     notes: ReadNotes,
+    labels: LabelChecks,
 }
 
 /// One frame as the JSON has it.
@@ -76,6 +78,12 @@ impl Report {
         self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
     }
 
+    /// The labels that came with the frame that was read last have been checked.
+    pub(super) fn checked(&mut self, warnings: Vec<LabelWarning>) {
+        let Some(last) = self.frames.last() else { return };
+        self.labels.add(&last.file, self.frames.len() - 1, warnings);
+    }
+
     /// A frame has been coded; frames are read before they are coded.
     pub(super) fn coded(&mut self, frame: FrameReport) {
         let entry = usize::try_from(frame.index).ok().and_then(|at| self.frames.get_mut(at));
@@ -111,6 +119,7 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
+        self.labels.tell(global);
         self.tell_decimation(global);
         self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;
