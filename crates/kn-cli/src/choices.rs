@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, Decimation, NodePlacement, Preset, SmoothingChoice, TranslationChoice,
-    UnitOfLength,
+    AffineChoice, Decimation, LabelChoice, NodePlacement, Preset, SmoothingChoice,
+    TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
@@ -65,6 +65,7 @@ impl FromStr for FrameRate {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LabelArgument {
     None,
+    Auto,
     Colours,
     Files(PathBuf),
 }
@@ -75,6 +76,7 @@ impl FromStr for LabelArgument {
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text {
             "none" => Self::None,
+            "auto" => Self::Auto,
             "colours" | "colors" => Self::Colours,
             pattern => Self::Files(pattern.into()),
         })
@@ -87,7 +89,16 @@ impl LabelArgument {
         match choice {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
-            Some(Self::None | Self::Files(_)) => LabelSource::None,
+            Some(Self::None | Self::Auto | Self::Files(_)) => LabelSource::None,
+        }
+    }
+
+    /// What the encoder does about frames without labels.
+    pub(crate) fn choice(choice: Option<&Self>, preset: LabelChoice) -> LabelChoice {
+        match choice {
+            None => preset,
+            Some(Self::Auto) => LabelChoice::Auto,
+            Some(_) => LabelChoice::Given,
         }
     }
 }

@@ -19,7 +19,7 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
-    NamePattern, NodePlacement, Preset, SmoothingChoice, Summary, TranslationChoice,
+    LabelChoice, NamePattern, NodePlacement, Preset, SmoothingChoice, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

@@ -12,7 +12,9 @@ use crate::output::write_file;
 use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset, Summary};
+use kn_codec::{
+    AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, Preset, Summary,
+};
 use kn_mesh::clean;
 use kn_mesh::io::{Inputs, ReadOptions};
 use names::name_pattern;
@@ -55,9 +57,10 @@ pub(crate) struct EncodeArguments {
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
-    /// Body parts of the vertices: a glob of .labels files, `colours` (of the vertices, by the
-    /// palette), or `none` [default: a PLY property `label` where there is one]
-    #[arg(long, value_name = "GLOB|colours|none")]
+    /// Body parts of the vertices: a glob of .labels files, `auto` (found in the scans),
+    /// `colours` (of the vertices, by the palette), or `none` [default: a PLY property `label`
+    /// where there is one, else auto]
+    #[arg(long, value_name = "GLOB|auto|colours|none")]
     labels: Option<LabelArgument>,
     /// Unit of the coordinates; carried, not interpreted
     #[arg(long, value_enum, default_value_t = UnitArgument::Unspecified)]
@@ -83,8 +86,9 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let inputs = arguments.find_inputs()?;
     let survey = Survey::new(&inputs, global)?;
     let config = arguments.config(&survey)?;
-    let settings = arguments.settings(&config);
-    let lost = !survey.labelled && matches!(config.affine, AffineChoice::Labels(_));
+    let settings = arguments.settings(&config, &survey);
+    let labelled = survey.labelled || config.labels == LabelChoice::Auto;
+    let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let mut maps = arguments.vertex_maps.as_deref().map(VertexMaps::new).transpose()?;
     let summary = write_file(&arguments.output, |writer| {
@@ -164,6 +168,7 @@ impl EncodeArguments {
             vertex_maps: self.vertex_maps.is_some(),
             ..self.preset.config()
         };
+        config.labels = LabelArgument::choice(self.labels.as_ref(), config.labels);
         self.settings.apply(&mut config, survey.bounds);
         if self.lossless {
             config.grid = GridChoice::Lossless(survey.exact.grid().context("--lossless")?);
@@ -173,7 +178,7 @@ impl EncodeArguments {
     }
 
     /// The settings for the report.
-    fn settings(&self, config: &EncoderConfig) -> Value {
+    fn settings(&self, config: &EncoderConfig, survey: &Survey) -> Value {
         let (bits, step) = match config.grid {
             GridChoice::Bits { bits, .. } => (Some(bits), None),
             GridChoice::Step { step, .. } => (None, Some(step)),
@@ -193,12 +198,21 @@ impl EncodeArguments {
             "placement": format!("{:?}", config.placement).to_lowercase(),
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", config.influence).to_lowercase(),
+            "labels": labels_name(config.labels, survey),
             "affine": affine_name(&config.affine),
             "combination": config.combination.name(),
             "translation": format!("{:?}", config.translation).to_lowercase(),
             "motion_step": config.motion_step,
             "version": env!("CARGO_PKG_VERSION"),
         })
+    }
+}
+
+fn labels_name(choice: LabelChoice, survey: &Survey) -> &'static str {
+    match choice {
+        _ if survey.labelled => "given",
+        LabelChoice::Auto => "auto",
+        LabelChoice::Given => "none",
     }
 }
 

@@ -38,6 +38,17 @@ pub enum Decimation {
     Error(f64),
 }
 
+/// Where the body parts of a frame's vertices come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelChoice {
+    /// The frames' own labels; a sequence without them is coded without.
+    Given,
+    /// The frames' own; where they have none, those of the segmentation
+    /// ([`kn_fit::segment::Segmenter`]). Frames in which it does not find a person are coded as if
+    /// they had no labels.
+    Auto,
+}
+
 /// Which key nodes are affine; the others are rigid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AffineChoice {
@@ -102,6 +113,8 @@ pub struct EncoderConfig {
     pub decimation: Option<Decimation>,
     /// Whether reports of I-frames have a vertex map.
     pub vertex_maps: bool,
+    /// Where body-part labels come from.
+    pub labels: LabelChoice,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
@@ -154,6 +167,7 @@ impl Default for EncoderConfig {
             grid: GridChoice::Bits { bits: 11, bounds: None },
             decimation: None,
             vertex_maps: false,
+            labels: LabelChoice::Auto,
             group_length: 8,
             nodes: 150,
             nodes_by_cost: false,

@@ -12,7 +12,7 @@ use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader, rule};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
 use kn_deform::BindError;
 use kn_fit::{FitError, FitTarget};
 use kn_mesh::{Grid, GridMesh, Mesh};
@@ -42,11 +42,6 @@ impl GroupEncoder {
             payload: Vec::new(),
             reason: None,
         }
-    }
-
-    /// Whether the sequence has labels.
-    pub(crate) fn is_labelled(&self) -> bool {
-        self.header.labels != LabelSet::None
     }
 
     /// Appends the units of a group to `out` and a report per frame to `reports`; returns the
@@ -154,6 +149,7 @@ impl GroupEncoder {
                 None => encoding.vertex_map,
             }),
             fit_rms: 0.0,
+            parts: None,
             reason: self.reason.take(),
         })
     }
@@ -254,6 +250,7 @@ impl GroupEncoder {
             decimation_error: 0.0,
             vertex_map: None,
             fit_rms: fit.report.source_to_target.rms * self.grid.step,
+            parts: None,
             reason: None,
         }))
     }

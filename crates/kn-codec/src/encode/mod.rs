@@ -4,6 +4,7 @@ mod config;
 mod decimate;
 mod encoder;
 mod group;
+mod labels;
 mod motion;
 mod nodes;
 mod preset;
@@ -14,7 +15,7 @@ mod smoothing;
 mod translation;
 
 pub use config::{
-    AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern, NodePlacement,
+    AffineChoice, Decimation, EncoderConfig, GridChoice, LabelChoice, NamePattern, NodePlacement,
     SmoothingChoice, TranslationChoice,
 };
 pub use decimate::GONE;

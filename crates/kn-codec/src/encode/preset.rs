@@ -1,7 +1,7 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{AffineChoice, EncoderConfig, TranslationChoice};
+use crate::encode::config::{AffineChoice, EncoderConfig, LabelChoice, TranslationChoice};
 use kn_deform::{InfluenceMode, WeightScheme};
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
@@ -25,6 +25,7 @@ const PRESETS: &[Preset] = &[
         about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
+            config.labels = LabelChoice::Given;
             config.affine = AffineChoice::None;
             config.nodes = 2 * EncoderConfig::default().nodes;
             config.weights = WeightScheme::Sumner;

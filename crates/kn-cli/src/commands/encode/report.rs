@@ -1,9 +1,11 @@
 //! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
 
 use crate::arguments::Global;
+use crate::parts;
 use crate::stream;
 use crate::table::grouped;
 use kn_codec::{FrameReport, Summary, TranslationMode};
+use kn_fit::segment::Segmentation;
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -42,7 +44,26 @@ struct CodedEntry {
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
+    parts: Option<PartsEntry>,
     reason: Option<String>,
+}
+
+/// What the segmentation found.
+#[derive(Debug, Serialize)]
+struct PartsEntry {
+    person: bool,
+    confidence: Value,
+    doubts: Vec<String>,
+}
+
+impl From<Segmentation> for PartsEntry {
+    fn from(found: Segmentation) -> Self {
+        Self {
+            person: found.found_a_person(),
+            confidence: parts::confidence_json(&found.confidence),
+            doubts: found.warnings.into_iter().map(parts::doubt).collect(),
+        }
+    }
 }
 
 impl Report {
@@ -71,6 +92,7 @@ impl Report {
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
+            parts: frame.parts.map(PartsEntry::from),
             reason: frame.reason,
         });
     }
@@ -90,6 +112,7 @@ impl Report {
             global.note(&self.notes);
         }
         self.tell_decimation(global);
+        self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
         global.note(format_args!(
@@ -100,6 +123,23 @@ impl Report {
             mean(summary.intra_bytes, summary.intra_frames),
             mean(summary.predicted_bytes, predicted),
         ));
+    }
+
+    /// In how many frames no person was found, and where first.
+    fn tell_parts(&self, global: &Global) {
+        let untrusted = |frame: &&FrameEntry| {
+            let parts = frame.coded.as_ref().and_then(|coded| coded.parts.as_ref());
+            parts.is_some_and(|parts| !parts.person)
+        };
+        let mut without = self.frames.iter().filter(untrusted);
+        if let Some(first) = without.next() {
+            global.note(format_args!(
+                "no body parts found in {} of {} frames, first in {}: they are coded without",
+                1 + without.count(),
+                self.frames.len(),
+                first.file.display(),
+            ));
+        }
     }
 
     /// What decimation did to the I-frames, where it did anything.
