@@ -61,7 +61,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 /// A stream of groups of one frame each, with labels where the meshes have them.
-fn groups(
+pub(crate) fn groups(
     name: &str,
     danger: &str,
     covers: &'static [&'static str],
@@ -86,7 +86,7 @@ fn frames(
 }
 
 /// Labels without any order.
-fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
+pub(crate) fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
     let mut noise = Noise::new(5);
     move |_| noise.below(count) as u8
 }

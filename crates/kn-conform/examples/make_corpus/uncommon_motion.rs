@@ -30,28 +30,37 @@ pub(crate) fn faulty() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 /// Nodes as points, and one P-frame for each entry of `motions`.
-struct Scene {
-    header: Text,
-    mesh: GridMesh,
-    nodes: Vec<[i32; 3]>,
-    affine: bool,
-    sigma: Option<u32>,
-    motions: Vec<Motion>,
+pub(crate) struct Scene {
+    pub(crate) header: Text,
+    pub(crate) mesh: GridMesh,
+    pub(crate) nodes: Vec<[i32; 3]>,
+    pub(crate) affine: bool,
+    pub(crate) sigma: Option<u32>,
+    pub(crate) motions: Vec<Motion>,
 }
 
 /// Values of a P-frame: translation, and rotation of rigid or scale of affine nodes.
-struct Motion {
-    translation: Vec<[i32; 3]>,
-    turn_or_scale: Vec<[i32; 3]>,
-    steps: [u8; 2],
+#[derive(Default)]
+pub(crate) struct Motion {
+    pub(crate) translation: Vec<[i32; 3]>,
+    pub(crate) turn_or_scale: Vec<[i32; 3]>,
+    pub(crate) steps: [u8; 2],
+    /// `translation_mode`.
+    pub(crate) mode: u8,
+    /// `translation_change`, for mode 2.
+    pub(crate) changes: Vec<[i32; 3]>,
 }
 
 impl Scene {
     fn text(&self) -> Result<String, Box<dyn Error>> {
+        Ok(format!("{}{}{INDEX}", self.header.clone().build(), self.group()?))
+    }
+
+    /// The units of a group of frames.
+    pub(crate) fn group(&self) -> Result<String, Box<dyn Error>> {
         let intra = intra_unit(&payload_of(&self.mesh)?);
         let motions: String = self.motions.iter().map(|motion| self.motion(motion)).collect();
-        let nodes = self.nodes_unit();
-        Ok(format!("{}{intra}{nodes}{motions}{INDEX}", self.header.clone().build()))
+        Ok(intra + &self.nodes_unit() + &motions)
     }
 
     fn nodes_unit(&self) -> String {
@@ -74,12 +83,17 @@ impl Scene {
         let values = numbers(&motion.turn_or_scale);
         let [translation_step, step] = motion.steps;
         let name = if self.affine { "scale" } else { "rotation" };
+        let changes = match motion.mode {
+            2 => format!("translation_change = {}\n", numbers(&motion.changes)),
+            _ => String::new(),
+        };
         format!(
             "\nunit_type = 4\ndigest_present = 0\nname_present = 0\nreference_mode = 0\n\
-             entropy_mode = 0\nresidual_present = 0\ntranslation_mode = 0\nrotation_enabled = 0\n\
+             entropy_mode = 0\nresidual_present = 0\ntranslation_mode = {}\nrotation_enabled = 0\n\
              scale_enabled = {}\nshear_enabled = 0\ntranslation_step = {translation_step}\n\
              translation_table = 30\n{name}_step = {step}\nparameter_table = 20\n\
-             translation = {}\n{name} = {values}\n",
+             {changes}translation = {}\n{name} = {values}\n",
+            motion.mode,
             u8::from(self.affine),
             numbers(&motion.translation),
         )
@@ -130,7 +144,12 @@ fn ties(name: &str, slots: usize) -> Result<Draft, Box<dyn Error>> {
         affine: true,
         sigma: None,
         // A step of 2^−8, 128 times.
-        motions: vec![Motion { translation, turn_or_scale: vec![[128; 3]; slots], steps: [0, 24] }],
+        motions: vec![Motion {
+            translation,
+            turn_or_scale: vec![[128; 3]; slots],
+            steps: [0, 24],
+            ..Motion::default()
+        }],
     };
     let danger =
         "Sums of equal weights that are halves but for their rounding: their order, ties to even.";
@@ -162,7 +181,7 @@ fn at_the_limit(
         motions: vec![Motion {
             translation: vec![[0; 3]],
             turn_or_scale: vec![[scale; 3]],
-            steps: [0, 0],
+            ..Motion::default()
         }],
     };
     let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
@@ -227,6 +246,7 @@ fn few_nodes(name: &str, scheme: u8) -> Result<Draft, Box<dyn Error>> {
         translation: nodes.iter().map(|_| noise.point(900)).collect(),
         turn_or_scale: nodes.iter().map(|_| noise.point(20)).collect(),
         steps: [step, 20 + step],
+        ..Motion::default()
     };
     let motions = [1, 2, 3, 5, 6, 7, 9].map(|step| motion(step, &mut noise)).into();
     let header = Text::new(HEADER)
