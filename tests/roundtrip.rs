@@ -21,6 +21,7 @@ fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
     for combination in Combination::ALL {
         for affine in [AffineChoice::Labels(vec![7]), AffineChoice::All] {
+            let combination = combination.into();
             digests_hold(&frames, EncoderConfig { combination, affine, ..small_config() });
         }
     }

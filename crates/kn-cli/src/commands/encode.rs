@@ -12,7 +12,10 @@ use crate::output::write_file;
 use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset, Summary};
+use kn_codec::{
+    AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset,
+    StepChoice, Summary,
+};
 use kn_mesh::clean;
 use kn_mesh::io::{Inputs, ReadOptions};
 use names::name_pattern;
@@ -194,9 +197,14 @@ impl EncodeArguments {
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", config.influence).to_lowercase(),
             "affine": affine_name(&config.affine),
-            "combination": config.combination.name(),
+            "combination": combination_name(config.combination),
+            "distortion": format!("{:?}", config.distortion).to_lowercase(),
+            "lambda": config.lambda,
             "translation": format!("{:?}", config.translation).to_lowercase(),
-            "motion_step": config.motion_step,
+            "motion_step": match config.motion_step {
+                StepChoice::Fixed(step) => json!(step),
+                StepChoice::Cost => json!("auto"),
+            },
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
@@ -206,6 +214,17 @@ fn affine_name(affine: &AffineChoice) -> &'static str {
     match affine {
         AffineChoice::None => "none",
         AffineChoice::Labels(_) => "labels",
+        AffineChoice::Cost => "cost",
         AffineChoice::All => "all",
+    }
+}
+
+/// A combination, or when one is chosen.
+fn combination_name(choice: CombinationChoice) -> &'static str {
+    match choice {
+        CombinationChoice::Fixed(combination) => combination.name(),
+        CombinationChoice::FirstP => "first-p",
+        CombinationChoice::PerFrame => "per-frame",
+        CombinationChoice::LookAhead => "look-ahead",
     }
 }

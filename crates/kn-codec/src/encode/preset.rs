@@ -1,8 +1,11 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{AffineChoice, EncoderConfig, TranslationChoice};
-use kn_deform::{InfluenceMode, WeightScheme};
+use crate::encode::config::{
+    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, StepChoice,
+    TranslationChoice,
+};
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +29,8 @@ const PRESETS: &[Preset] = &[
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
             config.affine = AffineChoice::None;
+            config.combination = Combination::RT.into();
+            config.motion_step = StepChoice::Fixed(2.0);
             config.nodes = 2 * EncoderConfig::default().nodes;
             config.weights = WeightScheme::Sumner;
             config.translation = TranslationChoice::Direct;
@@ -45,6 +50,36 @@ const PRESETS: &[Preset] = &[
         name: "affine",
         about: "bimodal with affine nodes everywhere",
         change: |config| config.affine = AffineChoice::All,
+    },
+    Preset {
+        name: "affine-by-cost",
+        about: "bimodal with affine nodes where their scales and shears pay, labels or not",
+        change: |config| config.affine = AffineChoice::Cost,
+    },
+    Preset {
+        name: "combination-rtsh",
+        about: "bimodal with all components in every P-frame",
+        change: |config| config.combination = Combination::RTSH.into(),
+    },
+    Preset {
+        name: "per-frame",
+        about: "bimodal with the components chosen in every P-frame",
+        change: |config| config.combination = CombinationChoice::PerFrame,
+    },
+    Preset {
+        name: "look-ahead",
+        about: "bimodal with the components chosen by what the whole group costs; slow",
+        change: |config| config.combination = CombinationChoice::LookAhead,
+    },
+    Preset {
+        name: "steps-fixed",
+        about: "bimodal with the same quantiser steps in all P-frames",
+        change: |config| config.motion_step = StepChoice::Fixed(2.0),
+    },
+    Preset {
+        name: "choice-by-msdm2",
+        about: "bimodal with D measured by MSDM2 instead of its surrogate; slow",
+        change: |config| config.distortion = DistortionMeasure::Msdm2,
     },
     Preset {
         name: "translation-direct",

@@ -32,7 +32,8 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
         translation: TranslationChoice::Direct,
-        motion_step: 1.0,
+        combination: Combination::RTSH.into(),
+        motion_step: StepChoice::Fixed(1.0),
         scale_step: Some(1.0),
         shear_step: Some(1.0),
         ..EncoderConfig::default()
@@ -56,7 +57,11 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     )?;
     for (name, danger, combination) in COMBINATIONS {
         let config =
-            EncoderConfig { combination, affine: AffineChoice::Labels(vec![7]), ..config() };
+            EncoderConfig {
+                combination: combination.into(),
+                affine: AffineChoice::Labels(vec![7]),
+                ..config()
+            };
         let covers = &[
             "nodes.affine",
             "nodes.label.nearest",
@@ -93,7 +98,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         &short(&plain),
         EncoderConfig {
             affine: AffineChoice::All,
-            combination: Combination::new(false, true, false),
+            combination: Combination::new(false, true, false).into(),
             ..config()
         },
     )?;

@@ -3,7 +3,7 @@
 use crate::arguments::Global;
 use crate::stream;
 use crate::table::grouped;
-use kn_codec::{FrameReport, Summary, TranslationMode};
+use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -37,8 +37,11 @@ struct CodedEntry {
     vertices: u32,
     faces: u32,
     nodes: u32,
+    affine_nodes: u32,
     combination: Option<&'static str>,
     translation: Option<&'static str>,
+    steps: Option<Value>,
+    cost: Option<Value>,
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
@@ -66,8 +69,11 @@ impl Report {
             vertices: frame.vertices,
             faces: frame.faces,
             nodes: frame.nodes,
+            affine_nodes: frame.affine_nodes,
             combination: frame.combination.map(|combination| combination.name()),
             translation: frame.translation.map(TranslationMode::name),
+            steps: frame.steps.map(steps_json),
+            cost: frame.cost.map(cost_json),
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
@@ -136,6 +142,16 @@ impl Report {
             "frames": self.frames,
         })
     }
+}
+
+fn steps_json(steps: StepReport) -> Value {
+    let StepReport { translation, rotation, scale, shear } = steps;
+    json!({ "translation": translation, "rotation": rotation, "scale": scale, "shear": shear })
+}
+
+fn cost_json(cost: CostReport) -> Value {
+    let CostReport { distortion, bytes, total } = cost;
+    json!({ "distortion": distortion, "bytes": bytes, "total": total })
 }
 
 fn cleaned_json(report: &CleanReport) -> Value {
