@@ -38,7 +38,8 @@ fn main() -> Result<()> {
             ensure!((info.index as usize) < scans.len(), "{name} has more frames than scans");
             if info.kind == FrameKind::Predicted {
                 let scan = &scans[info.index as usize];
-                let (score, Deviation { distance, bend }) = (score(scan, &mesh)?, deviation(scan, &mesh)?);
+                let (score, Deviation { distance, bend }) =
+                    (score(scan, &mesh)?, deviation(scan, &mesh)?);
                 println!("{name},{},{score:.5},{distance:.4e},{bend:.5}", info.index);
             }
         }

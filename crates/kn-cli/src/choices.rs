@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, NodePlacement, Preset,
-    SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodePlacement,
+    PartStart, Preset, SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
@@ -65,6 +65,7 @@ impl FromStr for FrameRate {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LabelArgument {
     None,
+    Auto,
     Colours,
     Files(PathBuf),
 }
@@ -75,6 +76,7 @@ impl FromStr for LabelArgument {
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text {
             "none" => Self::None,
+            "auto" => Self::Auto,
             "colours" | "colors" => Self::Colours,
             pattern => Self::Files(pattern.into()),
         })
@@ -87,7 +89,16 @@ impl LabelArgument {
         match choice {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
-            Some(Self::None | Self::Files(_)) => LabelSource::None,
+            Some(Self::None | Self::Auto | Self::Files(_)) => LabelSource::None,
+        }
+    }
+
+    /// What the encoder does about frames without labels.
+    pub(crate) fn choice(choice: Option<&Self>, preset: LabelChoice) -> LabelChoice {
+        match choice {
+            None => preset,
+            Some(Self::Auto) => LabelChoice::Auto,
+            Some(_) => LabelChoice::Given,
         }
     }
 }
@@ -211,6 +222,27 @@ impl From<ChoiceArgument> for CombinationChoice {
     }
 }
 
+/// When labelled parts are first aligned rigidly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PartStartArgument {
+    /// Never
+    Off,
+    /// In every frame, as in the paper
+    On,
+    /// Where it leaves the mesh nearer to the scan
+    Auto,
+}
+
+impl From<PartStartArgument> for PartStart {
+    fn from(argument: PartStartArgument) -> Self {
+        match argument {
+            PartStartArgument::Off => Self::Off,
+            PartStartArgument::On => Self::On,
+            PartStartArgument::Auto => Self::Auto,
+        }
+    }
+}
+
 /// What distortion is measured by where something is chosen by cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DistortionArgument {
@@ -233,9 +265,9 @@ impl From<DistortionArgument> for DistortionMeasure {
 pub(crate) fn motion_step(text: &str) -> Result<StepChoice, String> {
     match text {
         "auto" => Ok(StepChoice::Cost),
-        _ => length(text).map(StepChoice::Fixed).map_err(|_| {
-            "a motion step is auto or a positive number of grid steps".into()
-        }),
+        _ => length(text)
+            .map(StepChoice::Fixed)
+            .map_err(|_| "a motion step is auto or a positive number of grid steps".into()),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::choices::{
     self, AffineArgument, ChoiceArgument, DistortionArgument, InfluenceArgument, NodeArgument,
-    PlacementArgument, TranslationArgument,
+    PartStartArgument, PlacementArgument, TranslationArgument,
 };
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
@@ -57,6 +57,10 @@ pub(crate) struct Settings {
     /// λ: the distortion that a byte of a P-frame is worth [default: 3e-5]
     #[arg(long, value_name = "D", value_parser = choices::lambda)]
     lambda: Option<f64>,
+    /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
+    /// their nodes move [default: auto]
+    #[arg(long, value_enum)]
+    part_start: Option<PartStartArgument>,
     /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
     /// [default: cost]
     #[arg(long, value_enum)]
@@ -110,10 +114,10 @@ impl Settings {
         config.placement = self.placement.map_or(config.placement, Into::into);
         config.influence = self.influence.map_or(config.influence, Into::into);
         let fixed = self.combination.map(CombinationChoice::Fixed);
-        config.combination =
-            fixed.or(self.choice.map(Into::into)).unwrap_or(config.combination);
+        config.combination = fixed.or(self.choice.map(Into::into)).unwrap_or(config.combination);
         config.distortion = self.distortion.map_or(config.distortion, Into::into);
         config.lambda = self.lambda.unwrap_or(config.lambda);
+        config.part_start = self.part_start.map_or(config.part_start, Into::into);
         config.translation = self.translation.map_or(config.translation, Into::into);
         config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);

@@ -11,8 +11,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const COMMANDS: [&str; 9] =
-    ["encode", "decode", "info", "dump", "verify", "compare", "demo", "conform", "assemble"];
+const COMMANDS: [&str; 10] = [
+    "encode", "decode", "info", "dump", "verify", "compare", "segment", "demo", "conform",
+    "assemble",
+];
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")

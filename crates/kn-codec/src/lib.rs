@@ -19,11 +19,13 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, Finished, FrameReport, GONE, GridChoice, NamePattern, NodePlacement, Preset,
-    SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
+    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern,
+    NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
 pub use kn_bitstream::{TranslationMode, UnitOfLength};
+#[cfg(feature = "encode")]
+pub use kn_fit::PartStart;

@@ -161,7 +161,10 @@ impl Reconstruction {
     /// # Errors
     /// The rule that is broken.
     #[cfg(feature = "encode")]
-    pub(crate) fn preview(&mut self, motion: &MotionFrame) -> Result<(&[[i32; 3]], &[[u32; 3]]), &'static str> {
+    pub(crate) fn preview(
+        &mut self,
+        motion: &MotionFrame,
+    ) -> Result<(&[[i32; 3]], &[[u32; 3]]), &'static str> {
         let before = self.translations.clone();
         let deformed = self.deform(motion);
         self.translations = before;

@@ -2,6 +2,7 @@
 
 use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 use kn_mesh::{BoundingBox, Grid};
 
 /// How the sequence's grid is chosen.
@@ -36,6 +37,17 @@ pub enum Decimation {
     Share(f64),
     /// No vertex of the scan further than this from the coarser surface, world units.
     Error(f64),
+}
+
+/// Where the body parts of a frame's vertices come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelChoice {
+    /// The frames' own labels; a sequence without them is coded without.
+    Given,
+    /// The frames' own; where they have none, those of the segmentation
+    /// ([`kn_fit::segment::Segmenter`]). Frames in which it does not find a person are coded as if
+    /// they had no labels.
+    Auto,
 }
 
 /// Which key nodes are affine; the others are rigid.
@@ -144,6 +156,8 @@ pub struct EncoderConfig {
     pub decimation: Option<Decimation>,
     /// Whether reports of I-frames have a vertex map.
     pub vertex_maps: bool,
+    /// Where body-part labels come from.
+    pub labels: LabelChoice,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
@@ -177,6 +191,9 @@ pub struct EncoderConfig {
     pub distortion: DistortionMeasure,
     /// λ: the distortion that a byte of a P-frame is worth, 0 or more.
     pub lambda: f64,
+    /// Whether labelled parts are first aligned rigidly, before their nodes move (the paper's
+    /// segment-guided correspondence); nothing happens without labels.
+    pub part_start: PartStart,
     /// What translations are predicted from.
     pub translation: TranslationChoice,
     /// Quantiser step of translations.
@@ -200,6 +217,7 @@ impl Default for EncoderConfig {
             grid: GridChoice::Bits { bits: 11, bounds: None },
             decimation: None,
             vertex_maps: false,
+            labels: LabelChoice::Auto,
             group_length: 8,
             nodes: 150,
             nodes_by_cost: false,
@@ -210,12 +228,13 @@ impl Default for EncoderConfig {
             fraction_bits: 8,
             smoothing: SmoothingChoice::Auto,
             nodes_per_vertex: 4,
-            weights: WeightScheme::InverseSquare,
+            weights: WeightScheme::Sumner,
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
             combination: CombinationChoice::FirstP,
             distortion: DistortionMeasure::Surrogate,
             lambda: LAMBDA,
+            part_start: PartStart::Auto,
             translation: TranslationChoice::Cost,
             motion_step: StepChoice::Cost,
             rotation_step: None,

@@ -16,7 +16,7 @@ use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader, rule};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
 use kn_deform::{BindError, Combination};
 use kn_fit::{FitError, FitFailure};
 use kn_mesh::{Grid, GridMesh, Mesh};
@@ -49,11 +49,6 @@ impl GroupEncoder {
         }
     }
 
-    /// Whether the sequence has labels.
-    pub(crate) fn is_labelled(&self) -> bool {
-        self.header.labels != LabelSet::None
-    }
-
     /// Appends the units of a group to `out` and a report per frame to `reports`; returns the
     /// number of frames in the group, which ends before a frame that its motion does not explain.
     /// `first` is the index of the group's first frame.
@@ -72,8 +67,7 @@ impl GroupEncoder {
         if predicted.is_empty() {
             return Ok(1);
         }
-        let mut scans =
-            Scans::new(predicted, self.grid, measure_of(&self.config), first + 1);
+        let mut scans = Scans::new(predicted, self.grid, measure_of(&self.config), first + 1);
         let mut units = Vec::new();
         let node_bytes = self.encode_key_nodes(&mut scans, &mut units)?;
         let mut pass = self.encode_predicted(&scans)?;
@@ -195,6 +189,7 @@ impl GroupEncoder {
                 None => encoding.vertex_map,
             }),
             fit_rms: 0.0,
+            parts: None,
             reason: self.reason.take(),
         })
     }
@@ -293,6 +288,7 @@ impl GroupEncoder {
             decimation_error: 0.0,
             vertex_map: None,
             fit_rms: fit_rms * self.grid.step,
+            parts: None,
             reason: None,
         }))
     }

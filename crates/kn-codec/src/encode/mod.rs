@@ -5,6 +5,7 @@ mod cost;
 mod decimate;
 mod encoder;
 mod group;
+mod labels;
 mod motion;
 mod nodes;
 mod preset;
@@ -17,7 +18,7 @@ mod translation;
 
 pub use config::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
-    NamePattern, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
+    LabelChoice, NamePattern, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
 };
 pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};

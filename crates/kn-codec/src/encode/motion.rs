@@ -136,15 +136,13 @@ impl MotionEncoder {
             Some(fitter) => fitter,
             none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
         };
+        let options = FitOptions { part_start: self.config.part_start, ..FitOptions::default() };
         let fits = match candidates {
             &[combination] => {
-                let options = FitOptions { combination, ..FitOptions::default() };
+                let options = FitOptions { combination, ..options };
                 fitter.fit_frame(&source, &scan.target, &options).map(|fit| vec![fit])
             }
-            _ => {
-                let options = FitOptions::default();
-                fitter.fit_combinations(&source, &scan.target, &options, candidates)
-            }
+            _ => fitter.fit_combinations(&source, &scan.target, &options, candidates),
         };
         fits.map_err(|error| error.to_string())
     }
@@ -208,9 +206,10 @@ impl Frame<'_> {
         motion.write(&mut bits, &self.decoded.motion_context());
         let bytes = bits.into_bytes().len() as u64;
         // What the decoder would refuse costs more than anything else.
-        let distortion = self.decoded.preview(motion).map_or(f64::INFINITY, |(positions, faces)| {
-            self.scan.distortion(positions, self.unit, faces)
-        });
+        let distortion =
+            self.decoded.preview(motion).map_or(f64::INFINITY, |(positions, faces)| {
+                self.scan.distortion(positions, self.unit, faces)
+            });
         CostReport::new(distortion, bytes, self.config.lambda)
     }
 

@@ -60,12 +60,8 @@ impl<'a> NodeChooser<'a> {
     ) -> Result<KeyNodes, EncodeError> {
         let vertices = match self.config.placement {
             NodePlacement::Farthest => None,
-            NodePlacement::Generated => {
-                self.generate(scans, RankBy::Distance, &fail)?
-            }
-            NodePlacement::GeneratedByMsdm2 => {
-                self.generate(scans, RankBy::Msdm2, &fail)?
-            }
+            NodePlacement::Generated => self.generate(scans, RankBy::Distance, &fail)?,
+            NodePlacement::GeneratedByMsdm2 => self.generate(scans, RankBy::Msdm2, &fail)?,
         };
         let mut vertices = match vertices {
             Some(vertices) => vertices,
@@ -73,9 +69,7 @@ impl<'a> NodeChooser<'a> {
         };
         vertices.sort_unstable();
         let affine = match self.config.affine {
-            AffineChoice::Cost => {
-                AffineNodes::Nodes(self.affine_by_cost(&vertices, scans, &fail)?)
-            }
+            AffineChoice::Cost => AffineNodes::Nodes(self.affine_by_cost(&vertices, scans, &fail)?),
             _ => affine_nodes(&self.config.affine, self.labels),
         };
         Ok(self.cheapest(&vertices, affine))
@@ -105,11 +99,8 @@ impl<'a> NodeChooser<'a> {
             affine: &affine,
             bind: &bind,
         };
-        let options = GenerateOptions {
-            count: self.count(scans.len()),
-            rank_by,
-            fit: self.fit_options(),
-        };
+        let options =
+            GenerateOptions { count: self.count(scans.len()), rank_by, fit: self.fit_options() };
         // A frame that is too far to be tracked gives way to one half as far.
         let mut ahead = key_frame(scans);
         while ahead > 0 {

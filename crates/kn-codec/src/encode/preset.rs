@@ -2,10 +2,11 @@
 //! ablations.
 
 use crate::encode::config::{
-    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, StepChoice,
+    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, StepChoice,
     TranslationChoice,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +20,8 @@ pub struct Preset {
 const PRESETS: &[Preset] = &[
     Preset {
         name: "bimodal",
-        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights, the cheapest \
-                prediction of translations",
+        about: "rigid nodes in the limbs, affine ones in the torso; components, steps and prediction \
+                of translations at the least cost",
         change: |_| {},
     },
     Preset {
@@ -28,6 +29,7 @@ const PRESETS: &[Preset] = &[
         about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
+            config.labels = LabelChoice::Given;
             config.affine = AffineChoice::None;
             config.combination = Combination::RT.into();
             config.motion_step = StepChoice::Fixed(2.0);
@@ -82,6 +84,16 @@ const PRESETS: &[Preset] = &[
         change: |config| config.distortion = DistortionMeasure::Msdm2,
     },
     Preset {
+        name: "part-start-off",
+        about: "bimodal without segment-guided correspondence",
+        change: |config| config.part_start = PartStart::Off,
+    },
+    Preset {
+        name: "part-start-on",
+        about: "bimodal with segment-guided correspondence in every frame, as in the paper",
+        change: |config| config.part_start = PartStart::On,
+    },
+    Preset {
         name: "translation-direct",
         about: "bimodal without prediction of translations",
         change: |config| config.translation = TranslationChoice::Direct,
@@ -93,9 +105,9 @@ const PRESETS: &[Preset] = &[
         change: |config| config.translation = TranslationChoice::Paper,
     },
     Preset {
-        name: "weights-sumner",
-        about: "bimodal with the earlier codec's weights (Sumner's stand in for them)",
-        change: |config| config.weights = WeightScheme::Sumner,
+        name: "weights-inverse-square",
+        about: "bimodal with the paper's weights 1/d²",
+        change: |config| config.weights = WeightScheme::InverseSquare,
     },
     Preset {
         name: "weights-gaussian",

@@ -4,6 +4,7 @@ use crate::decode::FrameKind;
 use crate::encode::quantise::unit_step;
 use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
 use kn_deform::Combination;
+use kn_fit::segment::Segmentation;
 
 /// What became of one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,8 @@ pub struct FrameReport {
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,
+    /// What the segmentation found, where it was asked for labels; the labels are not kept.
+    pub parts: Option<Segmentation>,
     /// Why this I-frame begins its group early: what the motion could not explain.
     pub reason: Option<String>,
 }

@@ -10,9 +10,11 @@ use std::sync::Arc;
 /// Faces whose centres the surrogate looks at, about.
 const SAMPLES: usize = 4000;
 /// What the surrogate makes of an RMS distance of the box's diagonal, and of normals at a right
-/// angle: the slopes of MSDM2 over both (`docs/notes/choice.md`).
-const PER_DISTANCE: f64 = 78.0;
-const PER_BEND: f64 = 0.0;
+/// angle: about the slopes of MSDM2 over both (`docs/notes/choice.md`).
+const PER_DISTANCE: f64 = 15.0;
+const PER_BEND: f64 = 0.87;
+/// The slope of MSDM2 over the distance where nothing else is known.
+const PER_DISTANCE_ALONE: f64 = 37.0;
 /// D where nothing can be measured: MSDM2 is below it.
 const WORST: f64 = 1.0;
 
@@ -59,9 +61,8 @@ impl Scan {
         let positions: Vec<[f64; 3]> =
             positions.iter().map(|p| p.map(|c| f64::from(c) / unit)).collect();
         let decoded = Msdm2Surface::new(&positions, faces, DEFAULT_LEVELS);
-        decoded.map_or(WORST, |decoded| {
-            msdm2(original, &decoded, Interpolation::default()).symmetric
-        })
+        decoded
+            .map_or(WORST, |decoded| msdm2(original, &decoded, Interpolation::default()).symmetric)
     }
 
     /// What differs between candidates as MSDM2 does, up to a constant.
@@ -81,7 +82,7 @@ impl Scan {
 /// By how much D rises with the mean squared distance, relative to the squared diagonal, where that
 /// is `squared`.
 pub(crate) fn distortion_slope(squared: f64) -> f64 {
-    PER_DISTANCE / (2.0 * squared.sqrt())
+    PER_DISTANCE_ALONE / (2.0 * squared.sqrt())
 }
 
 /// The scans of a group's P-frames, prepared when their turn comes.

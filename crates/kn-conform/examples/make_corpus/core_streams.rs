@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use kn_codec::{
-    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
+    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, StepChoice,
     TranslationChoice,
 };
 use kn_conform::{Spec, node_labels};
@@ -32,6 +32,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
         translation: TranslationChoice::Direct,
+        weights: WeightScheme::InverseSquare,
         combination: Combination::RTSH.into(),
         motion_step: StepChoice::Fixed(1.0),
         scale_step: Some(1.0),
@@ -56,12 +57,11 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         config(),
     )?;
     for (name, danger, combination) in COMBINATIONS {
-        let config =
-            EncoderConfig {
-                combination: combination.into(),
-                affine: AffineChoice::Labels(vec![7]),
-                ..config()
-            };
+        let config = EncoderConfig {
+            combination: combination.into(),
+            affine: AffineChoice::Labels(vec![7]),
+            ..config()
+        };
         let covers = &[
             "nodes.affine",
             "nodes.label.nearest",
