@@ -1,5 +1,6 @@
 //! `kn encode`: scans in, a .knm file out.
 
+mod label_checks;
 pub(crate) mod names;
 mod report;
 pub(crate) mod survey;
@@ -13,10 +14,12 @@ use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
 use kn_codec::{
-    AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, Preset, Summary,
+    AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
+    Preset, StepChoice, Summary,
 };
-use kn_mesh::clean;
+use kn_fit::segment::check_labels;
 use kn_mesh::io::{Inputs, ReadOptions};
+use kn_mesh::{Mesh, clean};
 use names::name_pattern;
 use report::Report;
 use serde_json::{Value, json};
@@ -116,6 +119,7 @@ fn encode(
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
+    let up_axis = config.up_axis.into();
     let mut encoder = Encoder::new(writer, config)?;
     for frame in inputs.frames() {
         let frame = frame?;
@@ -124,6 +128,11 @@ fn encode(
         report.read(frame.path, &cleaned.report, frame.notes);
         if let Some(maps) = maps {
             maps.read(frame.name, cleaned.vertex_map);
+        }
+        if !cleaned.mesh.labels.is_empty() {
+            let Mesh { positions, faces, labels, .. } = &cleaned.mesh;
+            // A mesh that cannot be checked, since it has no area, can still be coded.
+            report.checked(check_labels(positions, faces, labels, up_axis).unwrap_or_default());
         }
         encoder.push(&cleaned.mesh)?;
         for frame in encoder.drain_reports() {
@@ -200,9 +209,15 @@ impl EncodeArguments {
             "influence": format!("{:?}", config.influence).to_lowercase(),
             "labels": labels_name(config.labels, survey),
             "affine": affine_name(&config.affine),
-            "combination": config.combination.name(),
+            "combination": combination_name(config.combination),
+            "distortion": format!("{:?}", config.distortion).to_lowercase(),
+            "lambda": config.lambda,
+            "part_start": format!("{:?}", config.part_start).to_lowercase(),
             "translation": format!("{:?}", config.translation).to_lowercase(),
-            "motion_step": config.motion_step,
+            "motion_step": match config.motion_step {
+                StepChoice::Fixed(step) => json!(step),
+                StepChoice::Cost => json!("auto"),
+            },
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
@@ -220,6 +235,17 @@ fn affine_name(affine: &AffineChoice) -> &'static str {
     match affine {
         AffineChoice::None => "none",
         AffineChoice::Labels(_) => "labels",
+        AffineChoice::Cost => "cost",
         AffineChoice::All => "all",
+    }
+}
+
+/// A combination, or when one is chosen.
+fn combination_name(choice: CombinationChoice) -> &'static str {
+    match choice {
+        CombinationChoice::Fixed(combination) => combination.name(),
+        CombinationChoice::FirstP => "first-p",
+        CombinationChoice::PerFrame => "per-frame",
+        CombinationChoice::LookAhead => "look-ahead",
     }
 }

@@ -115,15 +115,44 @@ fn other_side(part: u8) -> u8 {
     }
 }
 
-/// Whether both feet point to the back, as left and right have it.
+/// Whether both feet point clearly to the back, as left and right have it.
 fn swapped(surface: &Surface, labels: &[u8]) -> bool {
+    /// Cosine between a foot and the front: legs turn against the hips, but not so far.
+    const BACKWARDS: f64 = -0.4;
     let centres = centres(surface, labels);
-    let way = |from: usize, to: usize| Some(centres[to]? - centres[from]?);
-    let pairs = [(4, 1), (11, 8), (12, 9)];
-    let left = pairs.iter().filter_map(|&(r, l)| way(r, l)).fold(V3::zeros(), |s, w| s + w);
-    let front = left.cross(&V3::y());
-    let backwards = |leg: usize, foot: usize| way(leg, foot).map(|w| w.dot(&front) < 0.0);
-    backwards(9, 10) == Some(true) && backwards(12, 13) == Some(true)
+    let way = |from: usize, to: usize| (centres[to]? - centres[from]?).try_normalize(1e-12);
+    // Shoulders and hips; what hangs from them also moves forwards and backwards.
+    let left = [(4, 1), (11, 8)].iter().filter_map(|&(r, l)| way(r, l));
+    let Some(front) = left.fold(V3::zeros(), |s, w| s + w).cross(&V3::y()).try_normalize(0.1)
+    else {
+        return false;
+    };
+    let backwards = |thigh: u8| {
+        toes(surface, labels, [thigh, thigh + 1, thigh + 2])
+            .is_some_and(|t| t.dot(&front) < BACKWARDS)
+    };
+    backwards(8) && backwards(11)
+}
+
+/// The unit direction in which a foot stands off its leg.
+fn toes(surface: &Surface, labels: &[u8], [thigh, leg, foot]: [u8; 3]) -> Option<V3> {
+    let knee = border(surface, labels, thigh, leg)?;
+    let ankle = border(surface, labels, leg, foot)?;
+    let down = (ankle - knee).try_normalize(1e-12)?;
+    let away = centres(surface, labels)[usize::from(foot)]? - ankle;
+    (away - down * away.dot(&down)).try_normalize(1e-12)
+}
+
+/// The middle of the border between two parts: the mean of the first one's vertices at it.
+fn border(surface: &Surface, labels: &[u8], a: u8, b: u8) -> Option<V3> {
+    let (mut sum, mut count) = (V3::zeros(), 0.0);
+    for v in (0..labels.len()).filter(|&v| labels[v] == a) {
+        if surface.around(v).iter().any(|&u| labels[u as usize] == b) {
+            sum += surface.points[v];
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| sum / count)
 }
 
 /// Centre of gravity of every label.

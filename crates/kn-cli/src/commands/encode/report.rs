@@ -1,11 +1,12 @@
 //! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
 
+use super::label_checks::LabelChecks;
 use crate::arguments::Global;
 use crate::parts;
 use crate::stream;
 use crate::table::grouped;
-use kn_codec::{FrameReport, Summary, TranslationMode};
-use kn_fit::segment::Segmentation;
+use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
+use kn_fit::segment::{LabelWarning, Segmentation};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -19,6 +20,7 @@ pub(super) struct Report {
     frames: Vec<FrameEntry>,
     cleaned: CleanReport,
     notes: ReadNotes,
+    labels: LabelChecks,
 }
 
 /// One frame as the JSON has it.
@@ -39,8 +41,11 @@ struct CodedEntry {
     vertices: u32,
     faces: u32,
     nodes: u32,
+    affine_nodes: u32,
     combination: Option<&'static str>,
     translation: Option<&'static str>,
+    steps: Option<Value>,
+    cost: Option<Value>,
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
@@ -76,6 +81,12 @@ impl Report {
         self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
     }
 
+    /// The labels that came with the frame that was read last have been checked.
+    pub(super) fn checked(&mut self, warnings: Vec<LabelWarning>) {
+        let Some(last) = self.frames.last() else { return };
+        self.labels.add(&last.file, self.frames.len() - 1, warnings);
+    }
+
     /// A frame has been coded; frames are read before they are coded.
     pub(super) fn coded(&mut self, frame: FrameReport) {
         let entry = usize::try_from(frame.index).ok().and_then(|at| self.frames.get_mut(at));
@@ -87,8 +98,11 @@ impl Report {
             vertices: frame.vertices,
             faces: frame.faces,
             nodes: frame.nodes,
+            affine_nodes: frame.affine_nodes,
             combination: frame.combination.map(|combination| combination.name()),
             translation: frame.translation.map(TranslationMode::name),
+            steps: frame.steps.map(steps_json),
+            cost: frame.cost.map(cost_json),
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
@@ -111,6 +125,7 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
+        self.labels.tell(global);
         self.tell_decimation(global);
         self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;
@@ -176,6 +191,16 @@ impl Report {
             "frames": self.frames,
         })
     }
+}
+
+fn steps_json(steps: StepReport) -> Value {
+    let StepReport { translation, rotation, scale, shear } = steps;
+    json!({ "translation": translation, "rotation": rotation, "scale": scale, "shear": shear })
+}
+
+fn cost_json(cost: CostReport) -> Value {
+    let CostReport { distortion, bytes, total } = cost;
+    json!({ "distortion": distortion, "bytes": bytes, "total": total })
 }
 
 fn cleaned_json(report: &CleanReport) -> Value {

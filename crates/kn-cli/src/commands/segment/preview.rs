@@ -1,4 +1,4 @@
-//! The sheet that shows body parts: some frames from the front and from behind, and a legend.
+//! The sheet that shows body parts: some frames from two sides, and a legend.
 
 use crate::heatmap::PICTURE;
 use crate::picture::{Canvas, Legend, Paint, Sheet, View, render};
@@ -8,6 +8,8 @@ use kn_mesh::{BoundingBox, Mesh};
 
 /// How many frames are shown.
 const COLUMNS: usize = 8;
+/// From where, degrees about the up axis.
+const SIDES: [f32; 2] = [0.0, 180.0];
 
 /// Keeps the frames that will be drawn.
 pub(super) struct Preview {
@@ -35,19 +37,18 @@ impl Preview {
         let boxes: Option<Vec<BoundingBox>> =
             self.frames.iter().map(|(_, mesh)| mesh.bounding_box()).collect();
         let boxes = boxes.filter(|boxes| !boxes.is_empty()).context("there is nothing to draw")?;
-        let sides = [(0.0, "from the front"), (180.0, "from behind")];
-        let row = |(yaw, title): (f32, &str)| {
+        let row = |degrees: f32| {
             let pictures = self.frames.iter().zip(&boxes).map(|((_, mesh), own)| {
-                let view = View::new(&as_large_as_all(own, &boxes), up_axis, yaw);
+                let view = View::new(&as_large_as_all(own, &boxes), up_axis, degrees);
                 coloured(mesh, &view)
             });
-            (format!("{title} ({yaw} degrees)"), pictures.collect())
+            (format!("turned by {degrees} degrees"), pictures.collect())
         };
         let names = PART_NAMES.iter().map(|name| (*name).to_owned());
         let sheet = Sheet {
             title: "body parts".into(),
             columns: self.frames.iter().map(|(name, _)| name.clone()).collect(),
-            rows: sides.into_iter().map(row).collect(),
+            rows: SIDES.into_iter().map(row).collect(),
             legend: Some(Legend::Names(PART_COLOURS.into_iter().zip(names).collect())),
         };
         Ok(sheet.draw())
