@@ -12,6 +12,7 @@ mod shapes;
 mod texts;
 mod uncommon;
 mod uncommon_labels;
+mod uncommon_last_bits;
 mod uncommon_meshes;
 mod uncommon_motion;
 mod uncommon_paths;
@@ -73,6 +74,7 @@ fn uncommon_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let lists = [
         uncommon::drafts()?,
         uncommon_labels::drafts()?,
+        uncommon_last_bits::drafts()?,
         uncommon_meshes::drafts()?,
         uncommon_motion::drafts()?,
         uncommon_paths::drafts()?,

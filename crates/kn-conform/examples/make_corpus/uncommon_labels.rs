@@ -42,11 +42,13 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 
 const COVERS: &[&str] = &["intra.labels.order", "intra.labels.vote", "intra.labels.border"];
 
+/// Gaps of 1 to 9 along x, in no order.
 fn on_lattice() -> GridMesh {
     let heights = |i: u32, j: u32| (3 * i + 5 * j + i * j) % 20;
+    let far = |rank: u32| (0..rank).map(|gap| 1 + (gap * gap + 3) % 9).sum::<u32>();
     let at = |v: u32| {
-        let rank = [v / 20, heights(v / 20, v % 20), v % 20].map(|rank| rank as i32);
-        [5 * rank[0] - 31, 23 * rank[1], 3 * rank[2]]
+        let rank = [v / 20, heights(v / 20, v % 20), v % 20];
+        [far(rank[0]), 40 * rank[1], 7 * rank[2]].map(|x| x as i32)
     };
     let quads = (0..19).flat_map(|i| (0..19).map(move |j| 20 * i + j));
     let faces: Faces = quads.flat_map(|a| [[a, a + 20, a + 21], [a, a + 21, a + 1]]).collect();
@@ -54,13 +56,13 @@ fn on_lattice() -> GridMesh {
 }
 
 fn tight() -> Vec<GridMesh> {
-    let surface = torus(12, 13);
+    let surface = torus(14, 15);
     let mut noise = Noise::new(11);
-    let step_apart = |_| [noise.below(2) as i32, 0, 0];
+    let step_apart = |_| [(); 3].map(|()| (noise.below(6) / 5) as i32);
     vec![
         mesh(surface.clone(), step_apart, Some(&mut noise_labels(3))),
         mesh(surface.clone(), |v| curled(v, 0.8, 0), Some(&mut noise_labels(2))),
-        mesh(surface, |_| [5, -7, 9], Some(&mut noise_labels(2))),
+        mesh(torus(21, 20), |_| [5, -7, 9], Some(&mut noise_labels(2))),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! P-frames whose result hangs on a weight, a rounding or a last bit. Their meshes are vertices
+//! P-frames whose result hangs on a weight or a rounding. Their meshes are vertices
 //! without faces.
 
 use std::error::Error;
@@ -13,7 +13,7 @@ use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 const LIMIT: i64 = 1 << 20;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
-    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?, last_bits()?];
+    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?];
     for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
         drafts.push(ties(name, slots)?);
     }
@@ -186,39 +186,6 @@ fn at_the_limit(
     };
     let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
     scene.draft(name, danger, rule, &["deform.position.range", "deform.round"])
-}
-
-/// Far from the origin and under large shears A·x is 2^35, so that a last bit is 2^−18 of a unit.
-/// The vertices are found by trying: with a reading of chapter 8 that differs in one thing (no tail of
-/// π/2, another order of the products in R, another order of the sum, fused operations) one of them
-/// is rounded to another integer.
-fn last_bits() -> Result<Draft, Box<dyn Error>> {
-    let mesh = cloud(vec![
-        [899_872, -899_831, 900_141],
-        [899_940, -899_784, 900_169],
-        [900_171, -900_040, 900_079],
-        [900_179, -900_155, 899_931],
-    ]);
-    let affine = "rotation_enabled = 1\nscale_enabled = 1\nshear_enabled = 1\n";
-    let text = format!(
-        "{}{}\nunit_type = 3\nnode_count = 1\nnode_coding = 1\naffine_mode = 2\n\
-         node_delta_rice = 18\nnode_delta = 900003 -899983 900033\n\nunit_type = 4\n\
-         digest_present = 0\nname_present = 0\nreference_mode = 0\nentropy_mode = 0\n\
-         residual_present = 0\ntranslation_mode = 0\n{affine}translation_step = 0\n\
-         translation_table = 20\nrotation_step = 8\nscale_step = 24\nshear_step = 24\n\
-         parameter_table = 40\ntranslation = 5 -7 11\nrotation = 9001 -5003 12007\n\
-         scale = 1699 1777 1788\nshear = 2011 -1999 2003\n{INDEX}",
-        whole_steps(1).set("fraction_bits", 0, "8").build(),
-        intra_unit(&payload_of(&mesh)?),
-    );
-    Ok(Draft {
-        name: "last_bits".into(),
-        text,
-        danger: "Roundings that hang on a last bit: the tail of π/2, the order of products and sums, fusing."
-            .into(),
-        rule: None,
-        covers: &["conventions.binary64", "deform.sincos", "deform.rotation", "deform.node", "deform.blend"],
-    })
 }
 
 /// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
