@@ -18,8 +18,9 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
-    LabelChoice, NamePattern, NodePlacement, Preset, SmoothingChoice, Summary, TranslationChoice,
+    AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
+    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern,
+    NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

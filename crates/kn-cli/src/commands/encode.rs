@@ -14,7 +14,8 @@ use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
 use kn_codec::{
-    AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, Preset, Summary,
+    AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
+    Preset, StepChoice, Summary,
 };
 use kn_fit::segment::check_labels;
 use kn_mesh::io::{Inputs, ReadOptions};
@@ -208,10 +209,15 @@ impl EncodeArguments {
             "influence": format!("{:?}", config.influence).to_lowercase(),
             "labels": labels_name(config.labels, survey),
             "affine": affine_name(&config.affine),
-            "combination": config.combination.name(),
+            "combination": combination_name(config.combination),
+            "distortion": format!("{:?}", config.distortion).to_lowercase(),
+            "lambda": config.lambda,
             "part_start": format!("{:?}", config.part_start).to_lowercase(),
             "translation": format!("{:?}", config.translation).to_lowercase(),
-            "motion_step": config.motion_step,
+            "motion_step": match config.motion_step {
+                StepChoice::Fixed(step) => json!(step),
+                StepChoice::Cost => json!("auto"),
+            },
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
@@ -229,6 +235,17 @@ fn affine_name(affine: &AffineChoice) -> &'static str {
     match affine {
         AffineChoice::None => "none",
         AffineChoice::Labels(_) => "labels",
+        AffineChoice::Cost => "cost",
         AffineChoice::All => "all",
+    }
+}
+
+/// A combination, or when one is chosen.
+fn combination_name(choice: CombinationChoice) -> &'static str {
+    match choice {
+        CombinationChoice::Fixed(combination) => combination.name(),
+        CombinationChoice::FirstP => "first-p",
+        CombinationChoice::PerFrame => "per-frame",
+        CombinationChoice::LookAhead => "look-ahead",
     }
 }

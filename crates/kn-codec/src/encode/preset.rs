@@ -1,8 +1,11 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{AffineChoice, EncoderConfig, LabelChoice, TranslationChoice};
-use kn_deform::{InfluenceMode, WeightScheme};
+use crate::encode::config::{
+    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, StepChoice,
+    TranslationChoice,
+};
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_fit::PartStart;
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
@@ -17,8 +20,8 @@ pub struct Preset {
 const PRESETS: &[Preset] = &[
     Preset {
         name: "bimodal",
-        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights, the cheapest \
-                prediction of translations",
+        about: "rigid nodes in the limbs, affine ones in the torso; components, steps and prediction \
+                of translations at the least cost",
         change: |_| {},
     },
     Preset {
@@ -28,6 +31,8 @@ const PRESETS: &[Preset] = &[
         change: |config| {
             config.labels = LabelChoice::Given;
             config.affine = AffineChoice::None;
+            config.combination = Combination::RT.into();
+            config.motion_step = StepChoice::Fixed(2.0);
             config.nodes = 2 * EncoderConfig::default().nodes;
             config.weights = WeightScheme::Sumner;
             config.translation = TranslationChoice::Direct;
@@ -47,6 +52,36 @@ const PRESETS: &[Preset] = &[
         name: "affine",
         about: "bimodal with affine nodes everywhere",
         change: |config| config.affine = AffineChoice::All,
+    },
+    Preset {
+        name: "affine-by-cost",
+        about: "bimodal with affine nodes where their scales and shears pay, labels or not",
+        change: |config| config.affine = AffineChoice::Cost,
+    },
+    Preset {
+        name: "combination-rtsh",
+        about: "bimodal with all components in every P-frame",
+        change: |config| config.combination = Combination::RTSH.into(),
+    },
+    Preset {
+        name: "per-frame",
+        about: "bimodal with the components chosen in every P-frame",
+        change: |config| config.combination = CombinationChoice::PerFrame,
+    },
+    Preset {
+        name: "look-ahead",
+        about: "bimodal with the components chosen by what the whole group costs; slow",
+        change: |config| config.combination = CombinationChoice::LookAhead,
+    },
+    Preset {
+        name: "steps-fixed",
+        about: "bimodal with the same quantiser steps in all P-frames",
+        change: |config| config.motion_step = StepChoice::Fixed(2.0),
+    },
+    Preset {
+        name: "choice-by-msdm2",
+        about: "bimodal with D measured by MSDM2 instead of its surrogate; slow",
+        change: |config| config.distortion = DistortionMeasure::Msdm2,
     },
     Preset {
         name: "part-start-off",
@@ -70,9 +105,9 @@ const PRESETS: &[Preset] = &[
         change: |config| config.translation = TranslationChoice::Paper,
     },
     Preset {
-        name: "weights-sumner",
-        about: "bimodal with the earlier codec's weights (Sumner's stand in for them)",
-        change: |config| config.weights = WeightScheme::Sumner,
+        name: "weights-inverse-square",
+        about: "bimodal with the paper's weights 1/d²",
+        change: |config| config.weights = WeightScheme::InverseSquare,
     },
     Preset {
         name: "weights-gaussian",

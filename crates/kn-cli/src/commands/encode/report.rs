@@ -5,7 +5,7 @@ use crate::arguments::Global;
 use crate::parts;
 use crate::stream;
 use crate::table::grouped;
-use kn_codec::{FrameReport, Summary, TranslationMode};
+use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
 use kn_fit::segment::{LabelWarning, Segmentation};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
@@ -41,8 +41,11 @@ struct CodedEntry {
     vertices: u32,
     faces: u32,
     nodes: u32,
+    affine_nodes: u32,
     combination: Option<&'static str>,
     translation: Option<&'static str>,
+    steps: Option<Value>,
+    cost: Option<Value>,
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
@@ -95,8 +98,11 @@ impl Report {
             vertices: frame.vertices,
             faces: frame.faces,
             nodes: frame.nodes,
+            affine_nodes: frame.affine_nodes,
             combination: frame.combination.map(|combination| combination.name()),
             translation: frame.translation.map(TranslationMode::name),
+            steps: frame.steps.map(steps_json),
+            cost: frame.cost.map(cost_json),
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
@@ -185,6 +191,16 @@ impl Report {
             "frames": self.frames,
         })
     }
+}
+
+fn steps_json(steps: StepReport) -> Value {
+    let StepReport { translation, rotation, scale, shear } = steps;
+    json!({ "translation": translation, "rotation": rotation, "scale": scale, "shear": shear })
+}
+
+fn cost_json(cost: CostReport) -> Value {
+    let CostReport { distortion, bytes, total } = cost;
+    json!({ "distortion": distortion, "bytes": bytes, "total": total })
 }
 
 fn cleaned_json(report: &CleanReport) -> Value {
