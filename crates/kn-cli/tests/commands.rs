@@ -11,18 +11,23 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const COMMANDS: [&str; 10] = [
-    "encode", "decode", "info", "dump", "verify", "compare", "segment", "demo", "conform",
-    "assemble",
-];
-
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
 #[test]
 fn every_command_explains_itself_with_examples() {
-    for command in COMMANDS {
+    let help = succeeds(["--help"]);
+    let listed = help.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next());
+    let commands: Vec<&str> = listed
+        .expect("a list of commands")
+        .lines()
+        .filter_map(|line| line.strip_prefix("  ")?.split_once(' '))
+        .map(|(command, _)| command)
+        .filter(|&command| !command.is_empty() && command != "help")
+        .collect();
+    assert!(commands.len() >= 11, "{commands:?}");
+    for command in commands {
         let help = succeeds([command, "--help"]);
         assert!(help.contains("Examples:") && help.contains(&format!("  kn {command} ")), "{help}");
         for flag in ["--threads", "--quiet"] {

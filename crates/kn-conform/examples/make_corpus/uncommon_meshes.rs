@@ -61,7 +61,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 /// A stream of groups of one frame each, with labels where the meshes have them.
-fn groups(
+pub(crate) fn groups(
     name: &str,
     danger: &str,
     covers: &'static [&'static str],
@@ -86,7 +86,7 @@ fn frames(
 }
 
 /// Labels without any order.
-fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
+pub(crate) fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
     let mut noise = Noise::new(5);
     move |_| noise.below(count) as u8
 }
@@ -154,6 +154,12 @@ fn extremes() -> Vec<GridMesh> {
     vec![corners, mesh(torus(9, 10), far, None)]
 }
 
+/// Triangles so large that errors of a few steps are far below what they let expect.
+fn nearly_plane(vertex: u32) -> [i32; 3] {
+    let mut noise = Noise::new(u64::from(vertex) + 1);
+    [3000 * (vertex % 12) as i32, 3000 * (vertex / 12) as i32, noise.around(3)]
+}
+
 fn flat() -> Vec<GridMesh> {
     let row = |width: u32, step: u32| {
         move |v: u32| [v % width * step, 0, v / width * step].map(|x| x as i32)
@@ -163,6 +169,7 @@ fn flat() -> Vec<GridMesh> {
         mesh(plane.clone(), |_| [5, -7, 9], None),
         mesh(plane, row(6, 100), None),
         mesh(sphere(8, 5), row(8, 1), None),
+        mesh(torus(12, 12), nearly_plane, None),
     ]
 }
 
