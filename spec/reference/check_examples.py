@@ -97,7 +97,7 @@ def to_text(value, like):
 def check(block):
     head, _, rest = block.partition("\n")
     given, _, expected = rest.partition("\n.\n")
-    what, _, conditions = head.partition(" with ")
+    what, _, conditions = head.split("#")[0].strip().partition(" with ")
     known = {name: int(value) for name, value in re.findall(r"(\w+) = (\d+)", conditions)}
     expected = [line for line in expected.strip().splitlines() if line]
     try:
