@@ -110,10 +110,15 @@ fn last_bits_of_weights() -> Result<Draft, Box<dyn Error>> {
         rotation: [9001, -5003, 12007],
         scale: [1699, 1777, 1788],
         shear: [2011, -1999, 2003],
-        vertices: &[[209, -158, -37], [-129, -9, -160], [-172, 110, -104], [284, -192, -9],
+        vertices: &[
+            [209, -158, -37],
+            [-129, -9, -160],
+            [-172, 110, -104],
+            [284, -192, -9],
             [-122, -261, -278],
             [27, -60, 139],
-            [-193, 33, -143]],
+            [-193, 33, -143],
+        ],
     };
     let intra = intra_unit(&payload_of(&cloud(scene.vertices))?);
     Ok(Draft {
@@ -156,7 +161,8 @@ fn group(nodes: &[[i32; 3]], sigma: Option<u32>, scene: &Scene) -> String {
         }
         last = node;
     }
-    let each = |values: [i32; 3]| values.map(|value| format!("{value} ")).concat().repeat(nodes.len());
+    let each =
+        |values: [i32; 3]| values.map(|value| format!("{value} ")).concat().repeat(nodes.len());
     let sigma = sigma.map_or(String::new(), |sigma| format!("weight_sigma = {sigma}\n"));
     format!(
         "\nunit_type = 3\nnode_count = {}\nnode_coding = 1\naffine_mode = 2\n{sigma}\
@@ -197,7 +203,8 @@ fn last_bits_of_smoothing() -> Result<Draft, Box<dyn Error>> {
         let place = |vertex: u32| {
             let at = order.iter().position(|&other| other == vertex);
             below.map(|digits| {
-                let digit = at.and_then(|at| digits.as_bytes().get(at)).map_or(0, |digit| digit - b'0');
+                let digit =
+                    at.and_then(|at| digits.as_bytes().get(at)).map_or(0, |digit| digit - b'0');
                 (1 << 20) - i32::from(digit)
             })
         };

@@ -10,8 +10,12 @@ use crate::texts::{HEADER, INDEX, Text};
 use crate::uncommon_motion::{Motion, Scene};
 
 /// A stream: its name, `up_axis`, `label_set` and the spacing of the lattice.
-const STREAMS: [(&str, u8, u8, i32); 4] =
-    [("path_body", 1, 1, 4), ("path_plain", 0, 0, 3), ("path_custom", 2, 2, 3), ("path_wide", 2, 1, 1)];
+const STREAMS: [(&str, u8, u8, i32); 4] = [
+    ("path_body", 1, 1, 4),
+    ("path_plain", 0, 0, 3),
+    ("path_custom", 2, 2, 3),
+    ("path_wide", 2, 1, 1),
+];
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     STREAMS.map(stream).into_iter().collect()
