@@ -43,6 +43,7 @@ Examples:
   kn encode scan/ -o small.knm --preset baseline --nodes 200
   kn encode scan/f_%04d.ply -o dance.knm --step 0.5 --unit mm --labels 'scan/*.labels'
   kn encode scan/ -o thin.knm --iframe-faces 25%
+  kn encode scan/ -o fine.knm --lambda 1e-5 --choice per-frame --affine cost
   kn encode walk.glb -o walk.knm --fps 25
   kn encode scan/ -o - | kn info -")]
 pub(crate) struct EncodeArguments {

@@ -7,6 +7,11 @@ impl CostReport {
     pub(crate) fn new(distortion: f64, bytes: u64, lambda: f64) -> Self {
         Self { distortion, bytes, total: distortion + lambda * bytes as f64 }
     }
+
+    /// J of the same frame with another λ.
+    pub(crate) fn with_lambda(self, lambda: f64) -> Self {
+        Self::new(self.distortion, self.bytes, lambda)
+    }
 }
 
 impl std::ops::Add for CostReport {

@@ -108,7 +108,7 @@ impl GroupEncoder {
         scans: &Scans,
         combination: Option<Combination>,
     ) -> Result<Pass, EncodeError> {
-        self.motion.begin(combination);
+        self.motion.begin(scans.len(), combination);
         let mut pass = Pass::default();
         let mut scan = scans.get(0)?;
         for offset in 0..scans.len() {

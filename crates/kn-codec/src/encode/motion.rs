@@ -24,6 +24,8 @@ pub(crate) struct MotionEncoder {
     fitter: Option<Fitter>,
     /// The combination of the group's frames, where it is known.
     combination: Option<Combination>,
+    /// P-frames of the group that are still to come, this one among them.
+    frames_left: usize,
     /// Where the search for this frame's steps begins.
     steps: Option<Steps>,
     /// `#V × 3`, the reference in grid steps.
@@ -50,14 +52,16 @@ impl MotionEncoder {
             unit: f64::from(1_u32 << header.fraction_bits),
             fitter: None,
             combination: None,
+            frames_left: 0,
             steps: None,
             reference: Vec::new(),
             nodes: Vec::new(),
         }
     }
 
-    /// Begins a group of frames; `combination` where one was chosen for all of it.
-    pub(crate) fn begin(&mut self, combination: Option<Combination>) {
+    /// Begins a group with so many P-frames; `combination` where one was chosen for all of it.
+    pub(crate) fn begin(&mut self, frames: usize, combination: Option<Combination>) {
+        self.frames_left = frames;
         self.fitter = None;
         self.steps = None;
         self.combination = combination;
@@ -81,11 +85,14 @@ impl MotionEncoder {
         }
         let usual = Steps::new(&self.config, self.unit, reach(decoded));
         let begin = self.steps.unwrap_or(usual);
+        let lambda = self.config.lambda * inherited(self.frames_left);
+        self.frames_left = self.frames_left.saturating_sub(1);
         let mut frame = Frame { config: &self.config, unit: self.unit, usual, decoded, scan };
         let trials = sound.into_iter().map(|(&combination, fit)| {
             (frame.trial(&frame.in_reference_units(fit), combination, begin), fit)
         });
-        let Some((trial, fit)) = cheapest(trials.collect::<Vec<_>>(), |(trial, _)| trial.cost)
+        let trials: Vec<(Trial, &Fit)> = trials.collect();
+        let Some((trial, fit)) = cheapest(trials, |(trial, _)| trial.cost.with_lambda(lambda))
         else {
             return Err("there is no combination to choose".into());
         };
@@ -146,6 +153,12 @@ impl MotionEncoder {
         };
         fits.map_err(|error| error.to_string())
     }
+}
+
+/// What bytes count where components are chosen, in a frame that is the first of so many P-frames:
+/// what its motion leaves unexplained stays so in those after it, on average in half of them.
+fn inherited(frames: usize) -> f64 {
+    2.0 / (frames + 1) as f64
 }
 
 /// Whether any choice of the encoder compares costs of P-frames.
