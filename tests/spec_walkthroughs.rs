@@ -200,3 +200,103 @@ fn literal_deformation() -> Vec<String> {
     lines.push(format!("reference              {} {} {}", rounded[0], rounded[1], rounded[2]));
     lines
 }
+
+/// L of chapter 5: eighths of an octave.
+fn eighths(x: i64) -> i64 {
+    if x <= 1 {
+        return 0;
+    }
+    let place = i64::from(x.ilog2());
+    8 * place + ((x << 3 >> place) & 7)
+}
+
+#[test]
+fn the_vertex_of_chapter_5_is_predicted_as_written() {
+    let payload = tetrahedron();
+    let limits = IntraLimits { max_vertices: 4, max_faces: 4 };
+    let mut mesh = GridMesh::default();
+    decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut mesh).expect("sound");
+    let written = literal_prediction(&mesh.positions);
+    let lines = walkthrough("05-intra.md", "prediction");
+    assert_eq!(lines, written, "\n{}", written.join("\n"));
+}
+
+/// Section 5.5 for vertex 3 of the tetrahedron, as it is written: all valences are 3, so that `along`
+/// is 0, and no vertex has a stored error.
+fn literal_prediction(positions: &[[i32; 3]]) -> Vec<String> {
+    let at = |v: usize| positions[v].map(i64::from);
+    let each = |f: &dyn Fn(usize) -> i64| [0, 1, 2].map(f);
+    let triples = [[0, 2, 1], [2, 1, 0], [1, 0, 2]];
+    let base = at(0);
+    let place = |v: usize, k: usize| at(v)[k] - base[k];
+    let sum = |f: &dyn Fn(&[usize; 3], usize) -> i64| {
+        each(&|k| triples.iter().map(|triple| f(triple, k)).sum())
+    };
+    let centroid = sum(&|[a, ..], k| place(*a, k));
+    let parallel = sum(&|[a, b, c], k| place(*a, k) + place(*b, k) - place(*c, k));
+    let onward = sum(&|[a, b, c], k| place(*a, k) + place(*b, k) - 2 * place(*c, k));
+    let gates: i64 = sum(&|[a, b, _], k| (place(*b, k) - place(*a, k)).abs()).iter().sum();
+    let normal = sum(&|[a, b, c], k| {
+        let cross =
+            |i: usize, j: usize| (place(*a, i) - place(*b, i)) * (place(*c, j) - place(*b, j));
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        cross(i, j) - cross(j, i)
+    });
+    // n = s = 3, row 3 and column "≤ 4" of table 5-1.
+    let ([o, m], r) = ([-5, 44], 65536 / 3);
+    let offset = each(&|k| {
+        (((64 - m) * parallel[k] + ((o * onward[k]) >> 1)) * r + m * centroid[k] * r) >> 16
+    });
+    let gate = eighths(64 * gates / 3);
+    let tangential = gate - 8;
+    let across = (gate - 32) >> 1;
+    let flat = ((tangential - across - 6) >> 2).clamp(0, 10);
+    let mut lines = vec![
+        format!("base {base:?}, centroid {centroid:?}, parallel {parallel:?}, onward {onward:?}"),
+        format!("gates {gates}, normal {normal:?}, offset {offset:?}"),
+        format!("gate {gate}, tangential {tangential}, across {across}, flat {flat}"),
+    ];
+    let largest = normal.iter().map(|x| x.abs()).max().unwrap_or(0);
+    assert!(largest < 1 << 10, "nothing is shifted");
+    let d = (0..3).find(|&k| normal[k].abs() == largest).unwrap_or(0);
+    let [p, q] = [(d + 1) % 3, (d + 2) % 3];
+    let [np, nq, nd] = [p, q, d].map(|k| normal[k]);
+    let s = normal.iter().map(|x| x * x).sum::<i64>().max(1);
+    let w = (1 << flat) - 1;
+    let (whole, x) = (s << flat, (s << flat) - w * np * np);
+    lines.push(format!("d = {d}, p = {p}, q = {q}, S {s}, w {w}, W {whole}, X {x}"));
+    let mut e = [0; 3];
+    for axis in [p, q, d] {
+        let (mean, variance) = if axis == p {
+            (0, eighths(x) - eighths(whole))
+        } else if axis == q {
+            (-w * np * nq * e[p] / x, eighths(x - w * nq * nq) - eighths(x))
+        } else {
+            let below = s + w * nd * nd;
+            (-w * nd * (np * e[p] + nq * e[q]) / below, eighths(s) - eighths(below))
+        };
+        let context = ((2 * tangential + variance) >> 3).clamp(0, 47);
+        let exact = offset[axis] + mean;
+        let near = (exact + 32) >> 6;
+        let lean = (3 * (exact - 64 * near + 32)) >> 6;
+        let coordinate = at(3)[axis];
+        e[axis] = 64 * (coordinate - base[axis]) - offset[axis];
+        lines.push(format!(
+            "axis {axis}: mean {mean}, variance {variance}, context {context}, exact {exact}, near {near}, \
+             lean {lean}, error value {}, coordinate {coordinate}, e {}",
+            coordinate - base[axis] - near,
+            e[axis],
+        ));
+    }
+    let length: i64 = e.iter().map(|x| x.abs()).sum();
+    let dot: i64 = (0..3).map(|k| normal[k] * e[k]).sum();
+    let spread: i64 = normal.iter().map(|x| x.abs()).sum();
+    let error = eighths(dot.abs() + 8 * spread) - eighths(s) / 2;
+    let learnt = |mean: i64, found: i64| mean + ((256 * (found - gate) - mean) >> 6);
+    let tangential_mean = learnt(-8 * 256, eighths(length + 16));
+    let normal_mean = learnt(-32 * 256, error);
+    lines.push(format!(
+        "length {length}, error {error}, tangential_mean {tangential_mean}, normal_mean {normal_mean}"
+    ));
+    lines
+}

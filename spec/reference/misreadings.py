@@ -46,7 +46,6 @@ MUTANTS = {
     "frame: the highest axis of equals": ("twins", "intra", "d = max(range(3), key=lambda axis: abs(N[axis]))", "d = max((2, 1, 0), key=lambda axis: abs(N[axis]))"),
     "unsupported: from the last supported one": ("label_no_samples", "intra", "            self.coded_before = position\n", "            self.coded_before = position if error else self.coded_before\n"),
     "lattice: gaps of eight escaped": ("lattice", "intra", "while gap <= 8 and decision(\"lattice longer\", near, far, gap - 1):\n                    gap += 1\n                if gap == 9:\n                    gap = 9 +", "while gap <= 7 and decision(\"lattice longer\", near, far, gap - 1):\n                    gap += 1\n                if gap == 8:\n                    gap = 8 +"),
-    "lattice: the gaps before in the other order": ("label_lattice", "intra", "near, far = min(gap, 8), near", "far, near = min(gap, 8), far"),
     # 5.6 Labels
     "votes: limit of 32": ("high_valences", "intra", "for h in self.net.around(v):  # all", "for h in islice(self.net.around(v), 32):  # all"),
     "search: no limit of 32": ("high_valences", "intra", "for w in self.first_ends(u):", "for w in map(self.net.end, self.net.around(u)):"),
@@ -183,6 +182,7 @@ UNCAUGHT = {
 
 # Other words for the same frames, and why.
 EQUIVALENT = {
+    "lattice: the two gaps before in the other order": "the models have other names",
     "labels of twins: all become known, then all are settled": "what settling a twin does to the others is dropped with them",
     "queue: a vertex of more than three triples keeps its place": "its first entry of the third queue is found anyway",
     "stored errors: their mean rounded down": "none is below 0, as 8·(|Nx| + |Ny| + |Nz|) is at least 8 times the root of S",

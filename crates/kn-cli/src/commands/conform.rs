@@ -24,7 +24,7 @@ Exit codes: 0 it conforms, 1 it does not, 2 an error.
 
 Examples:
   kn conform spec/conformance
-  kn conform spec/conformance --decoder 'python3 spec/reference/decode.py'
+  kn conform spec/conformance --decoder 'python3 spec/reference/kn_decode.py'
   kn conform spec/conformance --json
   kn conform --stream dance.knm
   kn conform --stages spec/conformance/core/groups.knm")]
