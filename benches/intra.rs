@@ -1,12 +1,15 @@
-//! Intra coding of scans: bytes and time of every sequence at 10, 11 and 12 bits, beside Draco's
-//! where Debian's `draco` is installed. Without `../shared` it takes the synthetic performer.
+//! Intra coding of scans: bytes and time of every sequence at 10, 11 and 12 bits. Without `../shared`
+//! it takes the synthetic performer. Where Draco's library is installed a table beside Draco comes
+//! first; `cargo bench --bench intra -- NOTHING` prints only that.
+
+#[cfg(unix)]
+mod draco;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, GridMesh, Mesh};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 const BITS: [u32; 3] = [10, 11, 12];
 const LIMITS: IntraLimits = IntraLimits { max_vertices: 1 << 20, max_faces: 1 << 21 };
@@ -49,46 +52,120 @@ fn on_grid(mesh: &Mesh, bits: u32) -> GridMesh {
     GridMesh { positions, faces: mesh.faces.clone(), labels: Vec::new() }
 }
 
-fn draco_bytes(path: &Path, bits: u32) -> Option<u64> {
-    let directory = tempfile::tempdir().ok()?;
-    let out = directory.path().join("draco");
-    let status = Command::new("draco_encoder")
-        .args(["-cl", "10", "-qp", &bits.to_string(), "-i"])
-        .arg(path)
-        .arg("-o")
-        .arg(&out)
-        .stdout(Stdio::null())
-        .status()
-        .ok()?;
-    status.success().then_some(())?;
-    Some(std::fs::metadata(out).ok()?.len())
+/// Least bytes and seconds of one coder.
+#[derive(Clone, Copy)]
+#[cfg(unix)]
+struct Laps {
+    bytes: usize,
+    encode: f64,
+    decode: f64,
+}
+
+#[cfg(unix)]
+fn thread_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+#[cfg(unix)]
+fn seconds_of(work: impl FnOnce()) -> f64 {
+    let start = thread_seconds();
+    work();
+    thread_seconds() - start
+}
+
+/// Ours and Draco's, by turns, least of many runs: whatever else the machine does hits both.
+#[cfg(unix)]
+fn by_turns(mesh: &GridMesh, theirs: &mut draco::DracoMesh) -> Option<[Laps; 2]> {
+    const RUNS: usize = 60;
+    let mut laps = [Laps { bytes: 0, encode: f64::MAX, decode: f64::MAX }; 2];
+    let (mut decoder, mut decoded) = (IntraDecoder::default(), GridMesh::default());
+    let mut bytes = Vec::new();
+    for _ in 0..RUNS {
+        bytes.clear();
+        let encode = seconds_of(|| drop(encode_intra(mesh, &mut bytes).expect("a sound mesh")));
+        let decode = seconds_of(|| {
+            decode_intra(&bytes, &LIMITS, &mut decoder, &mut decoded).expect("its own stream");
+        });
+        let (draco_bytes, draco_encode) = theirs.step("encode")?;
+        let (_, draco_decode) = theirs.step("decode")?;
+        let run = [(bytes.len(), encode, decode), (draco_bytes, draco_encode, draco_decode)];
+        for (least, (bytes, encode, decode)) in laps.iter_mut().zip(run) {
+            least.bytes = bytes;
+            least.encode = least.encode.min(encode);
+            least.decode = least.decode.min(decode);
+        }
+    }
+    Some(laps)
+}
+
+/// Prints the table beside Draco, level 10, and the geometric means of its ratios.
+#[cfg(unix)]
+fn print_table(scans: &[(String, PathBuf, Mesh)]) {
+    let Some(draco) = draco::Draco::build() else {
+        return eprintln!("no table beside Draco: no C++ compiler or no library");
+    };
+    println!(
+        "| | bits | bytes: ours | Draco | ratio | encode, ms: ours | Draco | ratio | decode, ms: ours | Draco | ratio |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    let (mut logarithms, mut rows) = ([0.0; 3], 0);
+    for (name, path, mesh) in scans {
+        for bits in BITS {
+            let theirs = draco.open(path, bits);
+            let laps = theirs.and_then(|mut theirs| by_turns(&on_grid(mesh, bits), &mut theirs));
+            let Some([ours, theirs]) = laps else {
+                return eprintln!("{name}, {bits} bits: Draco ended early");
+            };
+            let ratios = [
+                ours.bytes as f64 / theirs.bytes as f64,
+                ours.encode / theirs.encode,
+                ours.decode / theirs.decode,
+            ];
+            println!(
+                "| {name} | {bits} | {} | {} | {:.3} | {:.1} | {:.1} | {:.2} | {:.1} | {:.1} | {:.2} |",
+                ours.bytes,
+                theirs.bytes,
+                ratios[0],
+                1e3 * ours.encode,
+                1e3 * theirs.encode,
+                ratios[1],
+                1e3 * ours.decode,
+                1e3 * theirs.decode,
+                ratios[2],
+            );
+            for (sum, ratio) in logarithms.iter_mut().zip(ratios) {
+                *sum += ratio.ln();
+            }
+            rows += 1;
+        }
+    }
+    let [bytes, encode, decode] = logarithms.map(|sum| (sum / f64::from(rows.max(1))).exp());
+    println!("geometric means: bytes {bytes:.3}, encode {encode:.2}, decode {decode:.2}");
 }
 
 fn intra(criterion: &mut Criterion) {
-    let mut meshes: Vec<(String, Option<PathBuf>, Mesh)> = Vec::new();
-    for path in scans() {
-        let sequence = path.parent().and_then(Path::file_name).unwrap_or_default();
-        meshes.push((sequence.to_string_lossy().into(), Some(path.clone()), read_mesh(&path)));
-    }
+    let scans: Vec<(String, PathBuf, Mesh)> = scans()
+        .into_iter()
+        .map(|path| {
+            let sequence = path.parent().and_then(Path::file_name).unwrap_or_default();
+            (sequence.to_string_lossy().into(), path.clone(), read_mesh(&path))
+        })
+        .collect();
+    #[cfg(unix)]
+    print_table(&scans);
+    let mut meshes: Vec<_> = scans.into_iter().map(|(name, _, mesh)| (name, mesh)).collect();
     if meshes.is_empty() {
         let config = PerformerConfig { vertices: 20_000, ..PerformerConfig::default() };
         let performer = Performer::new(config).expect("sound settings");
-        meshes.push(("performer".into(), None, performer.frame(0)));
+        meshes.push(("performer".into(), performer.frame(0)));
     }
     let mut group = criterion.benchmark_group("intra");
-    for (name, path, mesh) in &meshes {
+    for (name, mesh) in &meshes {
         for bits in BITS {
             let mesh = on_grid(mesh, bits);
             let mut bytes = Vec::new();
-            let encoding = encode_intra(&mesh, &mut bytes).expect("a sound mesh");
-            let draco = path.as_ref().and_then(|path| draco_bytes(path, bits));
-            let ratio = draco.map(|draco| bytes.len() as f64 / draco as f64);
-            eprintln!(
-                "{name} {bits} bits: {} bytes (connectivity {}, geometry {}), Draco {draco:?}, ratio {ratio:.3?}",
-                bytes.len(),
-                encoding.connectivity_bytes,
-                encoding.geometry_bytes,
-            );
+            encode_intra(&mesh, &mut bytes).expect("a sound mesh");
             group.throughput(Throughput::Elements(mesh.faces.len() as u64));
             group.bench_function(format!("encode/{name}/{bits}"), |bencher| {
                 bencher.iter(|| {

@@ -1,17 +1,42 @@
-//! Streams that lie: every one gives an error or frames inside the limits, never a panic.
+//! Streams that lie: every one gives an error or frames inside the limits, never a panic. They are
+//! made from the performer's stream and from every stream of `spec/conformance/core`.
 
 mod common;
 
 use common::{encode, performer, small_config};
+use kn_bitstream::unit::{Framing, SizeLimits, read_unit};
 use kn_codec::{DecodeError, DecodeErrorKind, EncoderConfig, Limits, Progress, StreamDecoder};
+use kn_conform::load_corpus;
 use kn_mesh::Mesh;
+use std::ops::Range;
+use std::path::Path;
 
-fn stream() -> Vec<u8> {
-    let config = EncoderConfig { group_length: 2, nodes: 12, ..small_config() };
-    encode(&performer(3, 1000), config)
+/// A sound stream and what it is called.
+struct Sound {
+    name: String,
+    bytes: Vec<u8>,
 }
 
-/// All frames, or the first error; a stream that just stops is an error too.
+fn performers() -> Sound {
+    let config = EncoderConfig { group_length: 2, nodes: 12, ..small_config() };
+    Sound { name: "performer".into(), bytes: encode(&performer(3, 1000), config) }
+}
+
+/// The performer's stream and all core streams.
+fn sound_streams() -> Vec<Sound> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("spec/conformance");
+    let corpus = load_corpus(&folder).expect("the corpus is in the repository");
+    let core = corpus.into_iter().filter(|stream| stream.name.starts_with("core/"));
+    let mut streams = vec![performers()];
+    streams.extend(core.map(|stream| {
+        let bytes = std::fs::read(&stream.path).expect("it was found there");
+        Sound { name: stream.name, bytes }
+    }));
+    assert!(streams.len() > 25, "{} streams", streams.len());
+    streams
+}
+
+/// Number of frames, or the first error; a stream that just stops is an error too.
 fn run(bytes: &[u8]) -> Result<u64, DecodeError> {
     let mut decoder = StreamDecoder::new(Limits::default());
     decoder.push(bytes);
@@ -32,9 +57,8 @@ fn run(bytes: &[u8]) -> Result<u64, DecodeError> {
     }
 }
 
-/// Ends of the units of a sound stream, with the offset of each payload.
-fn units(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
-    use kn_bitstream::unit::{Framing, SizeLimits, read_unit};
+/// The units of a sound stream.
+fn units(bytes: &[u8]) -> Vec<Range<usize>> {
     let mut units = Vec::new();
     let mut start = 8;
     while start < bytes.len() {
@@ -47,70 +71,100 @@ fn units(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
     units
 }
 
-fn mend_crc(bytes: &mut [u8], unit: &std::ops::Range<usize>) {
+fn mend_crc(bytes: &mut [u8], unit: &Range<usize>) {
     let crc_start = unit.end - 4;
     let crc = crc32fast::hash(&bytes[unit.start..crc_start]);
     bytes[crc_start..unit.end].copy_from_slice(&crc.to_be_bytes());
 }
 
-#[test]
-fn the_stream_itself_is_sound() {
-    assert_eq!(run(&stream()).expect("sound"), 3);
+fn flip(bytes: &mut [u8], bit: usize) {
+    bytes[bit / 8] ^= 0x80 >> (bit % 8);
 }
 
 #[test]
+fn the_streams_themselves_are_sound() {
+    for Sound { name, bytes } in sound_streams() {
+        assert!(run(&bytes).unwrap_or_else(|error| panic!("{name}: {error}")) > 0, "{name}");
+    }
+}
+
+/// Given byte by byte, a decoder has seen every truncation: it wants more until the last byte.
+#[test]
 fn every_truncation_is_an_error() {
-    let stream = stream();
-    let units = units(&stream);
-    // Every length around the units' ends, and a spread of the others.
-    let near = |length: usize| units.iter().any(|unit| length.abs_diff(unit.end) < 40);
-    for length in (0..stream.len()).filter(|&length| near(length) || length % 61 == 0) {
-        let error = run(&stream[..length]).expect_err("it is cut short");
-        assert!(matches!(error.kind(), DecodeErrorKind::Truncated { .. }), "{length}: {error}");
+    for Sound { name, bytes } in sound_streams() {
+        let mut decoder = StreamDecoder::new(Limits::default());
+        let mut mesh = Mesh::default();
+        for (length, byte) in bytes.iter().enumerate() {
+            let at = format!("{name}, cut after {length} bytes");
+            let progress = loop {
+                match decoder.poll(&mut mesh).unwrap_or_else(|error| panic!("{at}: {error}")) {
+                    Progress::Frame(_) => {}
+                    progress => break progress,
+                }
+            };
+            assert!(matches!(progress, Progress::NeedBytes(1..)), "{at}: {progress:?}");
+            decoder.push(std::slice::from_ref(byte));
+        }
+    }
+}
+
+/// The same with a decoder for each truncation, near the units' ends and at some other places.
+#[test]
+fn a_stream_cut_short_is_an_error_at_once() {
+    for Sound { name, bytes } in sound_streams() {
+        let units = units(&bytes);
+        let near = |length: usize| units.iter().any(|unit| length.abs_diff(unit.end) < 40);
+        for length in (0..bytes.len()).filter(|&length| near(length) || length % 61 == 0) {
+            let error = run(&bytes[..length]).expect_err("it is cut short");
+            let truncated = matches!(error.kind(), DecodeErrorKind::Truncated { .. });
+            assert!(truncated, "{name}, cut after {length} bytes: {error}");
+        }
     }
 }
 
 #[test]
 fn a_spare_byte_is_an_error() {
-    let mut stream = stream();
-    stream.push(0);
-    let error = run(&stream).expect_err("one byte too many");
-    assert_eq!(error.rule(), Some("file.order"));
+    for Sound { name, mut bytes } in sound_streams() {
+        bytes.push(0);
+        let error = run(&bytes).expect_err("one byte too many");
+        assert_eq!(error.rule(), Some("file.order"), "{name}");
+    }
 }
 
 #[test]
 fn every_flipped_bit_of_every_header_is_found() {
-    let sound = stream();
-    for (number, unit) in units(&sound).iter().enumerate() {
-        for bit in 8 * unit.start..8 * unit.end.min(unit.start + 64) {
-            let mut broken = sound.clone();
-            broken[bit / 8] ^= 0x80 >> (bit % 8);
-            let error = run(&broken).expect_err("a CRC finds one flipped bit");
-            let text = error.to_string();
-            assert!(!text.is_empty(), "unit {number}, bit {bit}");
+    for Sound { name, bytes: sound } in sound_streams() {
+        for unit in std::iter::once(0..8).chain(units(&sound)) {
+            for bit in 8 * unit.start..8 * unit.end.min(unit.start + 64) {
+                let mut broken = sound.clone();
+                flip(&mut broken, bit);
+                let Err(error) = run(&broken) else { panic!("{name}: bit {bit} is not missed") };
+                assert!(!error.to_string().is_empty(), "{name}, bit {bit}");
+            }
         }
     }
 }
 
 #[test]
 fn with_the_crc_mended_a_flipped_bit_errs_or_decodes() {
-    let sound = stream();
-    for unit in units(&sound) {
-        let bits = 8 * (unit.end - 4 - unit.start);
-        let step = (bits / 400).max(1);
-        for bit in (0..bits.min(512)).chain((512..bits).step_by(step)) {
-            let mut broken = sound.clone();
-            broken[unit.start + bit / 8] ^= 0x80 >> (bit % 8);
-            mend_crc(&mut broken, &unit);
-            // Either is allowed; that it comes back at all, inside the limits, is the test.
-            let _ = run(&broken);
+    for Sound { bytes: sound, .. } in sound_streams() {
+        for unit in units(&sound) {
+            let bits = 8 * (unit.end - 4 - unit.start);
+            let step = (bits / 400).max(1);
+            for bit in (0..bits.min(512)).chain((512..bits).step_by(step)) {
+                let mut broken = sound.clone();
+                flip(&mut broken, 8 * unit.start + bit);
+                mend_crc(&mut broken, &unit);
+                // Either is allowed; that it comes back at all, inside the limits, is the test.
+                let _ = run(&broken);
+            }
         }
     }
 }
 
 #[test]
 fn limits_are_checked_before_anything_is_built() {
-    let stream = stream();
+    let stream = performers().bytes;
     let asks = |limits: Limits| {
         let mut decoder = StreamDecoder::new(limits);
         decoder.push(&stream);

@@ -21,6 +21,7 @@ fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
     for combination in Combination::ALL {
         for affine in [AffineChoice::Labels(vec![7]), AffineChoice::All] {
+            let combination = combination.into();
             digests_hold(&frames, EncoderConfig { combination, affine, ..small_config() });
         }
     }
@@ -30,7 +31,8 @@ fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
 #[test]
 fn every_weight_scheme_mode_and_precision_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
-    for weights in [WeightScheme::Sumner, WeightScheme::Gaussian { sigma: 60 }] {
+    let gaussian = WeightScheme::Gaussian { sigma: 60 };
+    for weights in [WeightScheme::InverseSquare, WeightScheme::Sumner, gaussian] {
         digests_hold(&frames, EncoderConfig { weights, ..small_config() });
     }
     for nodes_per_vertex in [1, 2, 8] {

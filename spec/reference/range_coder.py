@@ -102,7 +102,7 @@ class Section:
     def gamma(self, *key):
         """r[range.gamma]"""
         extra = 0
-        while extra < 31 and self.decision(*key, extra):
+        while extra < 30 and self.decision(*key, extra):
             extra += 1
         high = max(extra - 16, 0)
         value = 1

@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, Decimation, NodePlacement, Preset, SmoothingChoice, TranslationChoice,
-    UnitOfLength,
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodePlacement,
+    PartStart, Preset, SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
@@ -65,6 +65,7 @@ impl FromStr for FrameRate {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LabelArgument {
     None,
+    Auto,
     Colours,
     Files(PathBuf),
 }
@@ -75,6 +76,7 @@ impl FromStr for LabelArgument {
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text {
             "none" => Self::None,
+            "auto" => Self::Auto,
             "colours" | "colors" => Self::Colours,
             pattern => Self::Files(pattern.into()),
         })
@@ -87,7 +89,16 @@ impl LabelArgument {
         match choice {
             None => LabelSource::Property,
             Some(Self::Colours) => LabelSource::Colours,
-            Some(Self::None | Self::Files(_)) => LabelSource::None,
+            Some(Self::None | Self::Auto | Self::Files(_)) => LabelSource::None,
+        }
+    }
+
+    /// What the encoder does about frames without labels.
+    pub(crate) fn choice(choice: Option<&Self>, preset: LabelChoice) -> LabelChoice {
+        match choice {
+            None => preset,
+            Some(Self::Auto) => LabelChoice::Auto,
+            Some(_) => LabelChoice::Given,
         }
     }
 }
@@ -170,6 +181,8 @@ pub(crate) enum AffineArgument {
     None,
     /// Those of the torso; none where the scans have no labels
     Labels,
+    /// Those whose scales and shears pay for their bytes, labels or not
+    Cost,
     /// All nodes are affine
     All,
 }
@@ -182,8 +195,87 @@ impl From<AffineArgument> for AffineChoice {
         match argument {
             AffineArgument::None => Self::None,
             AffineArgument::Labels => Self::Labels(vec![TORSO]),
+            AffineArgument::Cost => Self::Cost,
             AffineArgument::All => Self::All,
         }
+    }
+}
+
+/// When the components of affine nodes are chosen by cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ChoiceArgument {
+    /// In the first P-frame of each group, for all of it: the paper's choice
+    FirstP,
+    /// In every P-frame
+    PerFrame,
+    /// By what the whole group costs with each combination; slow
+    LookAhead,
+}
+
+impl From<ChoiceArgument> for CombinationChoice {
+    fn from(argument: ChoiceArgument) -> Self {
+        match argument {
+            ChoiceArgument::FirstP => Self::FirstP,
+            ChoiceArgument::PerFrame => Self::PerFrame,
+            ChoiceArgument::LookAhead => Self::LookAhead,
+        }
+    }
+}
+
+/// When labelled parts are first aligned rigidly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PartStartArgument {
+    /// Never
+    Off,
+    /// In every frame, as in the paper
+    On,
+    /// Where it leaves the mesh nearer to the scan
+    Auto,
+}
+
+impl From<PartStartArgument> for PartStart {
+    fn from(argument: PartStartArgument) -> Self {
+        match argument {
+            PartStartArgument::Off => Self::Off,
+            PartStartArgument::On => Self::On,
+            PartStartArgument::Auto => Self::Auto,
+        }
+    }
+}
+
+/// What distortion is measured by where something is chosen by cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DistortionArgument {
+    /// MSDM2; slow
+    Msdm2,
+    /// Distances and normals, scaled to differ as MSDM2 does
+    Surrogate,
+}
+
+impl From<DistortionArgument> for DistortionMeasure {
+    fn from(argument: DistortionArgument) -> Self {
+        match argument {
+            DistortionArgument::Msdm2 => Self::Msdm2,
+            DistortionArgument::Surrogate => Self::Surrogate,
+        }
+    }
+}
+
+/// Reads `auto` or a step in grid steps.
+pub(crate) fn motion_step(text: &str) -> Result<StepChoice, String> {
+    match text {
+        "auto" => Ok(StepChoice::Cost),
+        _ => length(text)
+            .map(StepChoice::Fixed)
+            .map_err(|_| "a motion step is auto or a positive number of grid steps".into()),
+    }
+}
+
+/// Reads λ.
+pub(crate) fn lambda(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(lambda) if lambda >= 0.0 && lambda.is_finite() => Ok(lambda),
+        _ => Err("lambda is a number, 0 or more".into()),
     }
 }
 
@@ -335,6 +427,19 @@ mod tests {
         assert_eq!(length("0.5"), Ok(0.5));
         for bad in ["0", "-1", "nan", "inf", "1e999", "x"] {
             assert!(length(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn motion_steps_and_lambda_are_checked() {
+        assert_eq!(motion_step("auto"), Ok(StepChoice::Cost));
+        assert_eq!(motion_step("0.5"), Ok(StepChoice::Fixed(0.5)));
+        assert_eq!((lambda("0"), lambda("3e-5")), (Ok(0.0), Ok(3e-5)));
+        for bad in ["", "0", "-1", "nan", "automatic"] {
+            assert!(motion_step(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "-1e-9", "nan", "inf"] {
+            assert!(lambda(bad).is_err(), "{bad}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! Meshes coloured by their local error.
 
-use crate::picture::{CLAY, Canvas, Paint, Sheet, View, colour_of, render};
+use crate::picture::{CLAY, Canvas, Legend, Paint, Sheet, View, colour_of, render};
 use anyhow::{Context, Result};
 use kn_mesh::{BoundingBox, Mesh};
 use std::io::Write;
@@ -46,9 +46,10 @@ pub(crate) fn coloured(
 }
 
 /// What is written at the scale.
-pub(crate) fn scale_labels(end: f64, unit: &str) -> [String; 3] {
+pub(crate) fn scale_labels(end: f64, unit: &str) -> Legend {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    [format!("0{unit}"), format!("{}{unit}", end / 2.0), format!("{end}{unit} and more")]
+    let [start, middle] = [0.0, end / 2.0].map(|value| format!("{value}{unit}"));
+    Legend::Scale([start, middle, format!("{end}{unit} and more")])
 }
 
 /// Two meshes side by side, each coloured by its difference from the other, from four sides.
@@ -77,7 +78,7 @@ pub(crate) fn turntable(
         title,
         columns: [names.clone(), names].concat(),
         rows: TURNS.into_iter().zip(&views).map(row).collect(),
-        scale: Some(scale_labels(end, "")),
+        legend: Some(scale_labels(end, "")),
     };
     Ok(sheet.draw().write_png(out)?)
 }

@@ -8,6 +8,7 @@ mod heatmap;
 mod interrupt;
 mod nearest;
 mod output;
+mod parts;
 mod picture;
 mod progress;
 mod sequence;

@@ -2,12 +2,15 @@
 //! configuration.
 
 use crate::choices::{
-    self, AffineArgument, InfluenceArgument, NodeArgument, PlacementArgument, TranslationArgument,
+    self, AffineArgument, ChoiceArgument, DistortionArgument, InfluenceArgument, NodeArgument,
+    PartStartArgument, PlacementArgument, TranslationArgument,
 };
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
-use kn_codec::{Decimation, EncoderConfig, GridChoice, SmoothingChoice};
+use kn_codec::{
+    CombinationChoice, Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice,
+};
 use kn_deform::{Combination, WeightScheme};
 use kn_mesh::BoundingBox;
 
@@ -39,12 +42,25 @@ pub(crate) struct Settings {
     /// What happens in a region without key nodes: an error, or the nearest nodes of any region
     #[arg(long, value_enum)]
     influence: Option<InfluenceArgument>,
-    /// Which key nodes are affine: none, those of the torso, or all
+    /// Which key nodes are affine: none, those of the torso, those that pay, or all
     #[arg(long, value_enum)]
     affine: Option<AffineArgument>,
-    /// Components of affine nodes: T, RT, TS, TH, RTS, RTH, TSH or RTSH [default: RTSH]
-    #[arg(long, value_parser = choices::combination)]
+    /// When the components of affine nodes are chosen by least J = D + λR [default: first-p]
+    #[arg(long, value_enum)]
+    choice: Option<ChoiceArgument>,
+    /// Components of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
+    #[arg(long, conflicts_with = "choice", value_parser = choices::combination)]
     combination: Option<Combination>,
+    /// What D is measured by [default: surrogate]
+    #[arg(long, value_enum)]
+    distortion: Option<DistortionArgument>,
+    /// λ: the distortion that a byte of a P-frame is worth [default: 3e-5]
+    #[arg(long, value_name = "D", value_parser = choices::lambda)]
+    lambda: Option<f64>,
+    /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
+    /// their nodes move [default: auto]
+    #[arg(long, value_enum)]
+    part_start: Option<PartStartArgument>,
     /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
     /// [default: cost]
     #[arg(long, value_enum)]
@@ -58,16 +74,18 @@ pub(crate) struct Settings {
     /// Key nodes that move a vertex, Q [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     nodes_per_vertex: Option<u8>,
-    /// Quantiser step of translations in grid steps [default: 2]
-    #[arg(long, value_name = "STEPS", value_parser = choices::length)]
-    motion_step: Option<f64>,
-    /// Of rotations: how far it moves a vertex, in grid steps [default: that of translations]
+    /// Quantiser step of translations in grid steps, or `auto`: all steps by least J in every
+    /// P-frame [default: auto]
+    #[arg(long, value_name = "STEPS|AUTO", value_parser = choices::motion_step)]
+    motion_step: Option<StepChoice>,
+    /// Of rotations: how far it moves a vertex, in grid steps [default: that of translations, or by
+    /// least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     rotation_step: Option<f64>,
-    /// Likewise of scales [default: twice that of translations]
+    /// Likewise of scales [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     scale_step: Option<f64>,
-    /// Likewise of shears [default: twice that of translations]
+    /// Likewise of shears [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     shear_step: Option<f64>,
 }
@@ -95,7 +113,11 @@ impl Settings {
         }
         config.placement = self.placement.map_or(config.placement, Into::into);
         config.influence = self.influence.map_or(config.influence, Into::into);
-        config.combination = self.combination.unwrap_or(config.combination);
+        let fixed = self.combination.map(CombinationChoice::Fixed);
+        config.combination = fixed.or(self.choice.map(Into::into)).unwrap_or(config.combination);
+        config.distortion = self.distortion.map_or(config.distortion, Into::into);
+        config.lambda = self.lambda.unwrap_or(config.lambda);
+        config.part_start = self.part_start.map_or(config.part_start, Into::into);
         config.translation = self.translation.map_or(config.translation, Into::into);
         config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);
@@ -169,8 +191,8 @@ mod tests {
         let table = "nodes = 40\ncombination = 'RTS'\nmotion_step = 0.5\naffine = 'all'\nbits = 9";
         let mut config = EncoderConfig::default();
         settings(table).expect("known").apply(&mut config, None);
-        assert_eq!((config.nodes, config.motion_step), (40, 0.5));
-        assert_eq!(config.combination.name(), "RTS");
+        assert_eq!((config.nodes, config.motion_step), (40, StepChoice::Fixed(0.5)));
+        assert_eq!(config.combination, Combination::new(true, true, false).into());
         assert_eq!(config.affine, kn_codec::AffineChoice::All);
         assert_eq!(config.grid, GridChoice::Bits { bits: 9, bounds: None });
         assert_eq!(config.group_length, EncoderConfig::default().group_length);
@@ -183,6 +205,7 @@ mod tests {
         assert_eq!(unknown, "there is no setting 'motion_stpe'; did you mean 'motion_step'?");
         let value = message("gof = 0");
         assert!(value.contains("'0' for '--gof <N>': 0 is not in 1..=255"), "{value}");
+        assert!(message("choice = 'per-frame'\ncombination = 'RT'").contains("--choice"));
         assert!(message("bits = 9\nstep = 1.0").contains("--step"), "both exclude each other");
     }
 }

@@ -11,16 +11,23 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const COMMANDS: [&str; 9] =
-    ["encode", "decode", "info", "dump", "verify", "compare", "demo", "conform", "assemble"];
-
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
 #[test]
 fn every_command_explains_itself_with_examples() {
-    for command in COMMANDS {
+    let help = succeeds(["--help"]);
+    let listed = help.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next());
+    let commands: Vec<&str> = listed
+        .expect("a list of commands")
+        .lines()
+        .filter_map(|line| line.strip_prefix("  ")?.split_once(' '))
+        .map(|(command, _)| command)
+        .filter(|&command| !command.is_empty() && command != "help")
+        .collect();
+    assert!(commands.len() >= 11, "{commands:?}");
+    for command in commands {
         let help = succeeds([command, "--help"]);
         assert!(help.contains("Examples:") && help.contains(&format!("  kn {command} ")), "{help}");
         for flag in ["--threads", "--quiet"] {
@@ -60,6 +67,34 @@ fn scans_come_back_within_half_a_step_and_under_their_names() {
     assert_eq!(report["settings"]["step"], step);
     let bytes = fs::metadata(scans.path("a.knm")).expect("written").len();
     assert_eq!(report["bytes"], bytes);
+}
+
+#[test]
+fn the_report_says_what_was_chosen_and_what_it_costs() {
+    let scans = Scans::new();
+    let report_of = |flags: &[&str]| {
+        let report = scans.text("report.json");
+        succeeds(scans.encode("scan", &[flags, &["--report", &report]].concat()));
+        json(&fs::read_to_string(report).expect("written"))
+    };
+    let chosen = report_of(&["--choice", "per-frame", "--affine", "all", "--lambda", "1e-5"]);
+    let coded = &chosen["frames"][1]["coded"];
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let [distortion, bytes, total] =
+        ["distortion", "bytes", "total"].map(|key| number(&coded["cost"][key]));
+    assert!((distortion + 1e-5 * bytes - total).abs() < 1e-9);
+    assert!(bytes > 0.0 && bytes <= number(&coded["bytes"]));
+    assert!(number(&coded["steps"]["translation"]) > 0.0);
+    assert_eq!(coded["affine_nodes"], coded["nodes"]);
+    assert_eq!(chosen["settings"]["combination"], "per-frame");
+    assert_eq!(chosen["settings"]["motion_step"], "auto");
+
+    let forced = report_of(&["--combination", "TSH", "--affine", "all", "--motion-step", "1"]);
+    let coded = &forced["frames"][1]["coded"];
+    assert_eq!(coded["combination"], "TSH");
+    assert_eq!(number(&coded["steps"]["rotation"]), 0.0);
+    assert_eq!(number(&coded["steps"]["translation"]), 1.0);
+    assert_eq!(coded["cost"], Value::Null);
 }
 
 #[test]

@@ -18,11 +18,14 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, Decimation, Encoder, EncoderConfig, Finished, FrameReport, GONE, GridChoice,
-    NamePattern, NodePlacement, Preset, SmoothingChoice, Summary, TranslationChoice,
+    AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
+    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern,
+    NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
 #[cfg(feature = "encode")]
 pub use kn_bitstream::{TranslationMode, UnitOfLength};
+#[cfg(feature = "encode")]
+pub use kn_fit::PartStart;

@@ -1,6 +1,9 @@
 //! What a payload can make the decoder of I-frames allocate. Alone in its process: it counts every
 //! byte of it.
 
+mod common;
+
+use common::announcing;
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, GridMesh};
@@ -39,20 +42,6 @@ fn performer() -> (GridMesh, Vec<u8>) {
     let mut payload = Vec::new();
     encode_intra(&mesh, &mut payload).expect("a sound mesh");
     (mesh, payload)
-}
-
-/// A header that announces as much as its bytes allow, then zeros.
-fn announcing(vertices: u32, faces: u32, len: usize) -> Vec<u8> {
-    let mut bytes = vec![0, 0];
-    for mut count in [vertices, vertices, faces, faces, 0, 0, 0, 0, 0] {
-        while count >= 0x80 {
-            bytes.push(count as u8 | 0x80);
-            count >>= 7;
-        }
-        bytes.push(count as u8);
-    }
-    bytes.resize(len, 0);
-    bytes
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::report::{Fit, FitReport};
 use crate::schedule::{REACH_WEIGHT, Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
+use crate::vec3::Vec3;
 use kn_deform::{Combination, NodeTransform};
 
 /// The robust width is this many times the 95th percentile of the distances ...
@@ -144,6 +145,12 @@ impl Fitter {
 
     /// `#V × 3`: the source as the last fit deformed it.
     pub fn deformed(&self) -> &[[f64; 3]] {
+        &self.deformed.positions
+    }
+
+    /// `#V × 3`: the source as these transforms deform it.
+    pub(crate) fn deform(&mut self, source: &FitSource, transforms: &[NodeTransform]) -> &[Vec3] {
+        self.deformed.update(source, transforms);
         &self.deformed.positions
     }
 

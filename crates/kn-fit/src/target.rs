@@ -6,8 +6,8 @@ use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
 use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
-use crate::vec3::{Vec3, add, scale, unit};
-use kn_metrics::{Closest, TriangleTree};
+use crate::vec3::{Vec3, add, dot, scale, unit};
+use kn_metrics::TriangleTree;
 
 /// Points sampled on either mesh for all passes but the last.
 pub(crate) const SAMPLES: usize = 3000;
@@ -26,6 +26,15 @@ pub struct FitTarget {
     /// Diagonal of the box.
     pub(crate) diagonal: f64,
     pub(crate) labels: Option<Vec<u8>>,
+}
+
+/// How far a surface is from a target, and how it is turned against it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Root mean square distance, relative to the diagonal of the target's box.
+    pub distance: f64,
+    /// Mean of 1 − cos of the angle between the normals.
+    pub bend: f64,
 }
 
 impl FitTarget {
@@ -57,11 +66,18 @@ impl FitTarget {
         })
     }
 
-    /// Root mean square distance from `points` (`#P × 3`) to the target's surface; 0 without points.
-    pub fn rms_distance(&self, points: &[[f64; 3]]) -> f64 {
-        let squared = |closest: &Closest| closest.distance_squared;
-        let sum: f64 = self.tree.closest_all(points).iter().map(squared).sum();
-        (sum / points.len().max(1) as f64).sqrt()
+    /// How a surface, given by `points` (`#P × 3`) and its normals there (of any length), deviates
+    /// from the target.
+    pub fn deviation(&self, points: &[Vec3], normals: &[Vec3]) -> Deviation {
+        let (mut squared, mut bend) = (0.0, 0.0);
+        for (closest, &normal) in self.tree.closest_all(points).iter().zip(normals) {
+            let face = self.faces[closest.face as usize];
+            let own = smooth_normal(&self.normals, face, closest.barycentric);
+            squared += closest.distance_squared;
+            bend += 1.0 - dot(own, unit(normal));
+        }
+        let count = points.len().max(1) as f64;
+        Deviation { distance: (squared / count).sqrt() / self.diagonal, bend: bend / count }
     }
 
     /// Adds body-part labels (`#V`) for part-wise starts.

@@ -1,5 +1,6 @@
 //! `kn encode`: scans in, a .knm file out.
 
+mod label_checks;
 pub(crate) mod names;
 mod report;
 pub(crate) mod survey;
@@ -12,9 +13,13 @@ use crate::output::write_file;
 use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
-use kn_codec::{AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, Preset, Summary};
-use kn_mesh::clean;
+use kn_codec::{
+    AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
+    Preset, StepChoice, Summary,
+};
+use kn_fit::segment::check_labels;
 use kn_mesh::io::{Inputs, ReadOptions};
+use kn_mesh::{Mesh, clean};
 use names::name_pattern;
 use report::Report;
 use serde_json::{Value, json};
@@ -38,6 +43,7 @@ Examples:
   kn encode scan/ -o small.knm --preset baseline --nodes 200
   kn encode scan/f_%04d.ply -o dance.knm --step 0.5 --unit mm --labels 'scan/*.labels'
   kn encode scan/ -o thin.knm --iframe-faces 25%
+  kn encode scan/ -o fine.knm --lambda 1e-5 --choice per-frame --affine cost
   kn encode walk.glb -o walk.knm --fps 25
   kn encode scan/ -o - | kn info -")]
 pub(crate) struct EncodeArguments {
@@ -55,9 +61,10 @@ pub(crate) struct EncodeArguments {
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
-    /// Body parts of the vertices: a glob of .labels files, `colours` (of the vertices, by the
-    /// palette), or `none` [default: a PLY property `label` where there is one]
-    #[arg(long, value_name = "GLOB|colours|none")]
+    /// Body parts of the vertices: a glob of .labels files, `auto` (found in the scans),
+    /// `colours` (of the vertices, by the palette), or `none` [default: a PLY property `label`
+    /// where there is one, else auto]
+    #[arg(long, value_name = "GLOB|auto|colours|none")]
     labels: Option<LabelArgument>,
     /// Unit of the coordinates; carried, not interpreted
     #[arg(long, value_enum, default_value_t = UnitArgument::Unspecified)]
@@ -83,8 +90,9 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let inputs = arguments.find_inputs()?;
     let survey = Survey::new(&inputs, global)?;
     let config = arguments.config(&survey)?;
-    let settings = arguments.settings(&config);
-    let lost = !survey.labelled && matches!(config.affine, AffineChoice::Labels(_));
+    let settings = arguments.settings(&config, &survey);
+    let labelled = survey.labelled || config.labels == LabelChoice::Auto;
+    let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let mut maps = arguments.vertex_maps.as_deref().map(VertexMaps::new).transpose()?;
     let summary = write_file(&arguments.output, |writer| {
@@ -112,6 +120,7 @@ fn encode(
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
+    let up_axis = config.up_axis.into();
     let mut encoder = Encoder::new(writer, config)?;
     for frame in inputs.frames() {
         let frame = frame?;
@@ -120,6 +129,11 @@ fn encode(
         report.read(frame.path, &cleaned.report, frame.notes);
         if let Some(maps) = maps {
             maps.read(frame.name, cleaned.vertex_map);
+        }
+        if !cleaned.mesh.labels.is_empty() {
+            let Mesh { positions, faces, labels, .. } = &cleaned.mesh;
+            // A mesh that cannot be checked, since it has no area, can still be coded.
+            report.checked(check_labels(positions, faces, labels, up_axis).unwrap_or_default());
         }
         encoder.push(&cleaned.mesh)?;
         for frame in encoder.drain_reports() {
@@ -164,6 +178,7 @@ impl EncodeArguments {
             vertex_maps: self.vertex_maps.is_some(),
             ..self.preset.config()
         };
+        config.labels = LabelArgument::choice(self.labels.as_ref(), config.labels);
         self.settings.apply(&mut config, survey.bounds);
         if self.lossless {
             config.grid = GridChoice::Lossless(survey.exact.grid().context("--lossless")?);
@@ -173,7 +188,7 @@ impl EncodeArguments {
     }
 
     /// The settings for the report.
-    fn settings(&self, config: &EncoderConfig) -> Value {
+    fn settings(&self, config: &EncoderConfig, survey: &Survey) -> Value {
         let (bits, step) = match config.grid {
             GridChoice::Bits { bits, .. } => (Some(bits), None),
             GridChoice::Step { step, .. } => (None, Some(step)),
@@ -193,12 +208,27 @@ impl EncodeArguments {
             "placement": format!("{:?}", config.placement).to_lowercase(),
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", config.influence).to_lowercase(),
+            "labels": labels_name(config.labels, survey),
             "affine": affine_name(&config.affine),
-            "combination": config.combination.name(),
+            "combination": combination_name(config.combination),
+            "distortion": format!("{:?}", config.distortion).to_lowercase(),
+            "lambda": config.lambda,
+            "part_start": format!("{:?}", config.part_start).to_lowercase(),
             "translation": format!("{:?}", config.translation).to_lowercase(),
-            "motion_step": config.motion_step,
+            "motion_step": match config.motion_step {
+                StepChoice::Fixed(step) => json!(step),
+                StepChoice::Cost => json!("auto"),
+            },
             "version": env!("CARGO_PKG_VERSION"),
         })
+    }
+}
+
+fn labels_name(choice: LabelChoice, survey: &Survey) -> &'static str {
+    match choice {
+        _ if survey.labelled => "given",
+        LabelChoice::Auto => "auto",
+        LabelChoice::Given => "none",
     }
 }
 
@@ -206,6 +236,17 @@ fn affine_name(affine: &AffineChoice) -> &'static str {
     match affine {
         AffineChoice::None => "none",
         AffineChoice::Labels(_) => "labels",
+        AffineChoice::Cost => "cost",
         AffineChoice::All => "all",
+    }
+}
+
+/// A combination, or when one is chosen.
+fn combination_name(choice: CombinationChoice) -> &'static str {
+    match choice {
+        CombinationChoice::Fixed(combination) => combination.name(),
+        CombinationChoice::FirstP => "first-p",
+        CombinationChoice::PerFrame => "per-frame",
+        CombinationChoice::LookAhead => "look-ahead",
     }
 }

@@ -10,6 +10,7 @@ mod encode;
 mod info;
 mod rd;
 mod register;
+mod segment;
 mod verify;
 
 use crate::Outcome;
@@ -26,6 +27,7 @@ pub(crate) enum Command {
     Compare(compare::CompareArguments),
     Rd(rd::RdArguments),
     Register(register::RegisterArguments),
+    Segment(segment::SegmentArguments),
     Demo(demo::DemoArguments),
     Conform(conform::ConformArguments),
     Assemble(assemble::AssembleArguments),
@@ -42,6 +44,7 @@ pub(crate) fn run(command: &Command, global: &Global) -> anyhow::Result<Outcome>
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Rd(arguments) => rd::run(arguments, global),
         Command::Register(arguments) => register::run(arguments, global),
+        Command::Segment(arguments) => segment::run(arguments, global),
         Command::Demo(arguments) => demo::run(arguments, global),
         Command::Conform(arguments) => conform::run(arguments),
         Command::Assemble(arguments) => assemble::run(arguments),

@@ -12,7 +12,7 @@ mod view;
 pub(crate) use canvas::{Canvas, Colour};
 pub(crate) use colour_map::colour_of;
 pub(crate) use rasteriser::{Paint, render};
-pub(crate) use sheet::Sheet;
+pub(crate) use sheet::{Legend, Sheet};
 pub(crate) use view::View;
 
 /// Background of every picture.

@@ -16,7 +16,7 @@ use kn_deform::{
 use kn_mesh::{Grid, GridMesh};
 
 /// Decodes the frames of a group, one after the other. Buffers are reused from group to group.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Reconstruction {
     up_axis: usize,
     fraction_bits: u32,
@@ -141,21 +141,9 @@ impl Reconstruction {
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
     pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
-        let limit = Grid::LIMIT << self.fraction_bits;
-        self.translations.decode(motion, i64::from(limit))?;
-        let translations = self.translations.decoded();
-        decode_transforms(motion, &self.nodes.affine, translations, &mut self.transforms);
-        self.deformer
-            .deform(
-                &self.reference,
-                &self.influence,
-                &self.nodes.positions,
-                &self.transforms,
-                limit,
-                &mut self.next,
-            )
-            .map_err(|_| rule::DEFORM_POSITION_RANGE)?;
+        self.deform(motion)?;
         std::mem::swap(&mut self.reference, &mut self.next);
+        let limit = self.limit();
         for (position, transform) in self.nodes.positions.iter_mut().zip(&self.transforms) {
             for axis in 0..3 {
                 // Both are below 2^28, so the sum fits.
@@ -166,6 +154,38 @@ impl Reconstruction {
             }
         }
         Ok(())
+    }
+
+    /// What [`Self::apply`] would make the reference, and its faces; the state stays as it is.
+    ///
+    /// # Errors
+    /// The rule that is broken.
+    #[cfg(feature = "encode")]
+    pub(crate) fn preview(
+        &mut self,
+        motion: &MotionFrame,
+    ) -> Result<(&[[i32; 3]], &[[u32; 3]]), &'static str> {
+        let before = self.translations.clone();
+        let deformed = self.deform(motion);
+        self.translations = before;
+        deformed.map(|()| (&self.next[..], &self.intra.faces[..]))
+    }
+
+    /// The next frame from its motion, into `self.next`.
+    fn deform(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
+        let limit = self.limit();
+        self.translations.decode(motion, i64::from(limit))?;
+        let translations = self.translations.decoded();
+        decode_transforms(motion, &self.nodes.affine, translations, &mut self.transforms);
+        let (nodes, transforms) = (&self.nodes.positions, &self.transforms);
+        self.deformer
+            .deform(&self.reference, &self.influence, nodes, transforms, limit, &mut self.next)
+            .map_err(|_| rule::DEFORM_POSITION_RANGE)
+    }
+
+    /// Reference units that no coordinate reaches.
+    fn limit(&self) -> i32 {
+        Grid::LIMIT << self.fraction_bits
     }
 
     /// The decoded I-frame of the group, in grid steps.

@@ -2,6 +2,7 @@
 
 use kn_bitstream::UnitOfLength;
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 use kn_mesh::{BoundingBox, Grid};
 
 /// How the sequence's grid is chosen.
@@ -38,6 +39,17 @@ pub enum Decimation {
     Error(f64),
 }
 
+/// Where the body parts of a frame's vertices come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabelChoice {
+    /// The frames' own labels; a sequence without them is coded without.
+    Given,
+    /// The frames' own; where they have none, those of the segmentation
+    /// ([`kn_fit::segment::Segmenter`]). Frames in which it does not find a person are coded as if
+    /// they had no labels.
+    Auto,
+}
+
 /// Which key nodes are affine; the others are rigid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AffineChoice {
@@ -45,8 +57,50 @@ pub enum AffineChoice {
     None,
     /// Nodes that carry one of these labels; the paper's choice is the torso (7).
     Labels(Vec<u8>),
+    /// Nodes whose scales and shears lower J in the key frame of their group.
+    Cost,
     /// All nodes are affine.
     All,
+}
+
+/// How the components of affine nodes are chosen: a combination Ω of least J = D + λR (bi-modal
+/// paper, section on rate-distortion optimization). What is not chosen is disabled while fitting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CombinationChoice {
+    /// This one in every P-frame.
+    Fixed(Combination),
+    /// By the first P-frame of each group, for the whole group: the paper's choice.
+    FirstP,
+    /// In every P-frame anew.
+    PerFrame,
+    /// For the whole group, by the sum of J over its P-frames: each combination codes the group
+    /// once, which takes eight times as long.
+    LookAhead,
+}
+
+impl From<Combination> for CombinationChoice {
+    fn from(combination: Combination) -> Self {
+        Self::Fixed(combination)
+    }
+}
+
+/// What D is measured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DistortionMeasure {
+    /// MSDM2, symmetric: half a second for each candidate.
+    Msdm2,
+    /// Distances and angles between the decoded surface and the scan at some thousand points,
+    /// scaled to differ as MSDM2 does: milliseconds for each candidate.
+    Surrogate,
+}
+
+/// How a quantiser step is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepChoice {
+    /// So many grid steps.
+    Fixed(f64),
+    /// In every P-frame those of translations, rotations, and scales and shears with the least J.
+    Cost,
 }
 
 /// Where key nodes are put.
@@ -102,6 +156,8 @@ pub struct EncoderConfig {
     pub decimation: Option<Decimation>,
     /// Whether reports of I-frames have a vertex map.
     pub vertex_maps: bool,
+    /// Where body-part labels come from.
+    pub labels: LabelChoice,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
     /// Key nodes in a group of frames, 1 to 4096.
@@ -130,17 +186,24 @@ pub struct EncoderConfig {
     /// Which nodes are affine.
     pub affine: AffineChoice,
     /// Components of affine nodes.
-    pub combination: Combination,
+    pub combination: CombinationChoice,
+    /// What D is measured by where something is chosen by J = D + λR.
+    pub distortion: DistortionMeasure,
+    /// λ: the distortion that a byte of a P-frame is worth, 0 or more.
+    pub lambda: f64,
+    /// Whether labelled parts are first aligned rigidly, before their nodes move (the paper's
+    /// segment-guided correspondence); nothing happens without labels.
+    pub part_start: PartStart,
     /// What translations are predicted from.
     pub translation: TranslationChoice,
-    /// Quantiser step of translations in grid steps.
-    pub motion_step: f64,
+    /// Quantiser step of translations.
+    pub motion_step: StepChoice,
     /// Quantiser step of rotations, as how far it moves a vertex at the mean distance from its node,
-    /// in grid steps; `None` is as far as that of translations.
+    /// in grid steps; `None` is as far as that of translations, or by cost where that one is.
     pub rotation_step: Option<f64>,
-    /// Likewise of scales; `None` is twice as far.
+    /// Likewise of scales; `None` is twice as far, or by cost.
     pub scale_step: Option<f64>,
-    /// Likewise of shears; `None` is twice as far.
+    /// Likewise of shears; `None` is twice as far, or by cost.
     pub shear_step: Option<f64>,
     /// Whether frames carry digests (8 bytes each).
     pub digests: bool,
@@ -154,6 +217,7 @@ impl Default for EncoderConfig {
             grid: GridChoice::Bits { bits: 11, bounds: None },
             decimation: None,
             vertex_maps: false,
+            labels: LabelChoice::Auto,
             group_length: 8,
             nodes: 150,
             nodes_by_cost: false,
@@ -164,12 +228,15 @@ impl Default for EncoderConfig {
             fraction_bits: 8,
             smoothing: SmoothingChoice::Auto,
             nodes_per_vertex: 4,
-            weights: WeightScheme::InverseSquare,
+            weights: WeightScheme::Sumner,
             influence: InfluenceMode::Fallback,
             affine: AffineChoice::Labels(vec![TORSO]),
-            combination: Combination::RTSH,
+            combination: CombinationChoice::FirstP,
+            distortion: DistortionMeasure::Surrogate,
+            lambda: LAMBDA,
+            part_start: PartStart::Auto,
             translation: TranslationChoice::Cost,
-            motion_step: 2.0,
+            motion_step: StepChoice::Cost,
             rotation_step: None,
             scale_step: None,
             shear_step: None,
@@ -179,5 +246,7 @@ impl Default for EncoderConfig {
     }
 }
 
+/// See `docs/notes/choice.md`.
+const LAMBDA: f64 = 3e-5;
 /// The paper's label of the torso.
 const TORSO: u8 = 7;

@@ -3,11 +3,13 @@
 use crate::decode::FrameKind;
 use crate::encode::config::EncoderConfig;
 use crate::encode::group::GroupEncoder;
+use crate::encode::labels::Labeller;
 use crate::encode::report::{FrameReport, Summary};
 use crate::encode::sequence::sequence_header;
 use crate::error::EncodeError;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{BitWriter, Index, IndexGroup};
+use kn_fit::segment::Segmentation;
 use kn_mesh::Mesh;
 use std::io::Write;
 
@@ -18,8 +20,13 @@ pub struct Encoder<W: Write> {
     writer: W,
     config: EncoderConfig,
     groups: Option<GroupEncoder>,
+    labeller: Option<Labeller>,
+    /// Whether the frames came with labels, from the first on.
+    labelled: Option<bool>,
     /// Frames of the group that is being collected.
     pending: Vec<Mesh>,
+    /// What the segmentation found in each of them.
+    parts: Vec<Option<Segmentation>>,
     frame: u64,
     units: Vec<u8>,
     index: Index,
@@ -38,9 +45,12 @@ impl<W: Write> Encoder<W> {
         }
         Ok(Self {
             writer,
+            labeller: Labeller::new(&config),
             config,
             groups: None,
+            labelled: None,
             pending: Vec::new(),
+            parts: Vec::new(),
             frame: 0,
             units: Vec::new(),
             index: Index::default(),
@@ -55,19 +65,19 @@ impl<W: Write> Encoder<W> {
     /// A mesh that is broken or cannot be coded, named by its index; a writer that fails.
     pub fn push(&mut self, mesh: &Mesh) -> Result<(), EncodeError> {
         check_mesh(mesh, self.frame)?;
-        let labelled = self.pending.first().map_or_else(
-            || self.groups.as_ref().map(GroupEncoder::is_labelled),
-            |first| Some(!first.labels.is_empty()),
-        );
-        if labelled.is_some_and(|labelled| labelled == mesh.labels.is_empty()) {
-            let reason = if mesh.labels.is_empty() {
-                "the frame has no labels, earlier frames have"
-            } else {
+        let labelled = !mesh.labels.is_empty();
+        if *self.labelled.get_or_insert(labelled) != labelled {
+            let reason = if labelled {
                 "the frame has labels, earlier frames have none"
+            } else {
+                "the frame has no labels, earlier frames have"
             };
             return Err(EncodeError::Input { frame: self.frame, reason: reason.into() });
         }
-        self.pending.push(mesh.clone());
+        let mut mesh = mesh.clone();
+        let labeller = self.labeller.as_mut().filter(|_| !labelled);
+        self.parts.push(labeller.map(|labeller| labeller.label(&mut mesh)));
+        self.pending.push(mesh);
         self.frame += 1;
         if self.pending.len() == usize::from(self.config.group_length) {
             self.encode_group()?;
@@ -128,7 +138,8 @@ impl<W: Write> Encoder<W> {
         })?;
         self.index.groups.push(IndexGroup { bytes, frames: coded as u8 });
         self.pending.drain(..coded);
-        for report in &self.reports[reported..] {
+        for (report, parts) in self.reports[reported..].iter_mut().zip(self.parts.drain(..coded)) {
+            report.parts = parts;
             self.summary.frames += 1;
             match report.kind {
                 FrameKind::Intra => {

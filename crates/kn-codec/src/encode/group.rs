@@ -3,19 +3,24 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::{EncoderConfig, GridChoice, SmoothingChoice};
+use crate::encode::config::{
+    CombinationChoice, DistortionMeasure, EncoderConfig, GridChoice, SmoothingChoice,
+};
+use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
-use crate::encode::motion::{MotionEncoder, fit_target};
+use crate::encode::motion::{CodedMotion, MotionEncoder, is_by_cost};
 use crate::encode::nodes::NodeChooser;
-use crate::encode::report::FrameReport;
+use crate::encode::report::{CostReport, FrameReport, StepReport};
+use crate::encode::scan::{Scan, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, LabelSet, SequenceHeader, rule};
-use kn_deform::BindError;
-use kn_fit::{FitError, FitTarget};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
+use kn_deform::{BindError, Combination};
+use kn_fit::{FitError, FitFailure};
 use kn_mesh::{Grid, GridMesh, Mesh};
+use kn_metrics::TriangleTree;
 
 /// Encodes groups of frames of one sequence, one after the other.
 pub(crate) struct GroupEncoder {
@@ -44,11 +49,6 @@ impl GroupEncoder {
         }
     }
 
-    /// Whether the sequence has labels.
-    pub(crate) fn is_labelled(&self) -> bool {
-        self.header.labels != LabelSet::None
-    }
-
     /// Appends the units of a group to `out` and a report per frame to `reports`; returns the
     /// number of frames in the group, which ends before a frame that its motion does not explain.
     /// `first` is the index of the group's first frame.
@@ -67,37 +67,69 @@ impl GroupEncoder {
         if predicted.is_empty() {
             return Ok(1);
         }
-        let intra_end = out.len();
-        let node_bytes = self.encode_key_nodes(predicted, first + 1, out)?;
-        self.motion.begin();
-        let grid = self.grid;
-        let mut target = fit_target(&predicted[0], grid, first + 1)?;
-        for offset in 0..predicted.len() {
-            let index = first + 1 + offset as u64;
-            let faces = predicted[offset].faces.len() as u32;
-            let next = predicted.get(offset + 1);
-            // The next frame's tree is built while this frame is fitted.
-            let (report, next_target) = rayon::join(
-                || self.encode_motion_frame(&target, faces, index, out),
-                || next.map(|mesh| fit_target(mesh, grid, index + 1)).transpose(),
+        let mut scans = Scans::new(predicted, self.grid, measure_of(&self.config), first + 1);
+        let mut units = Vec::new();
+        let node_bytes = self.encode_key_nodes(&mut scans, &mut units)?;
+        let mut pass = self.encode_predicted(&scans)?;
+        self.reason = pass.reason;
+        // Key nodes without a P-frame would be of no use.
+        if let Some(first) = pass.reports.first_mut() {
+            first.node_bytes = node_bytes;
+            first.bytes += node_bytes;
+            out.append(&mut units);
+            out.append(&mut pass.units);
+        }
+        let coded = 1 + pass.reports.len();
+        reports.append(&mut pass.reports);
+        Ok(coded)
+    }
+
+    /// The group's P-frames, in the way that costs least.
+    fn encode_predicted(&mut self, scans: &Scans) -> Result<Pass, EncodeError> {
+        let looks_ahead = self.config.combination == CombinationChoice::LookAhead;
+        if !looks_ahead || self.reconstruction.nodes().affine_count() == 0 {
+            return self.encode_pass(scans, None);
+        }
+        let start = self.reconstruction.clone();
+        let mut passes = Vec::with_capacity(Combination::ALL.len());
+        for combination in Combination::ALL {
+            self.reconstruction.clone_from(&start);
+            passes.push(self.encode_pass(scans, Some(combination))?);
+        }
+        // A group that goes on for longer has fewer I-frames.
+        let longest = passes.iter().map(|pass| pass.reports.len()).max();
+        passes.retain(|pass| Some(pass.reports.len()) == longest);
+        Ok(cheapest(passes, Pass::cost).unwrap_or_default())
+    }
+
+    /// The group's P-frames, one after the other, all with `combination` where there is one.
+    fn encode_pass(
+        &mut self,
+        scans: &Scans,
+        combination: Option<Combination>,
+    ) -> Result<Pass, EncodeError> {
+        self.motion.begin(scans.len(), combination);
+        let mut pass = Pass::default();
+        let mut scan = scans.get(0)?;
+        for offset in 0..scans.len() {
+            let next = offset + 1;
+            // The next scan is prepared while this one is fitted to.
+            let (report, next_scan) = rayon::join(
+                || self.encode_motion_frame(&scan, scans.frame(offset), &mut pass.units),
+                || (next < scans.len()).then(|| scans.get(next)).transpose(),
             );
-            let Some(mut report) = report? else {
-                if offset == 0 {
-                    // Key nodes without a P-frame would be of no use.
-                    out.truncate(intra_end);
+            match report? {
+                Ok(report) => pass.reports.push(report),
+                Err(failure) => {
+                    pass.reason = Some(failure.to_string());
+                    break;
                 }
-                return Ok(1 + offset);
-            };
-            if offset == 0 {
-                report.node_bytes = node_bytes;
-                report.bytes += node_bytes;
             }
-            reports.push(report);
-            if let Some(next_target) = next_target? {
-                target = next_target;
+            if let Some(next_scan) = next_scan? {
+                scan = next_scan;
             }
         }
-        Ok(frames.len())
+        Ok(pass)
     }
 
     fn encode_intra_frame(
@@ -120,8 +152,8 @@ impl GroupEncoder {
             SmoothingChoice::Strength(strength) => strength,
             SmoothingChoice::Auto => {
                 let unit = f64::from(1_u32 << self.header.fraction_bits);
-                // A mesh without area has no surface to smooth.
-                fit_target(mesh, self.grid, index)
+                let positions = to_grid_steps(&mesh.positions, self.grid);
+                TriangleTree::new(&positions, &mesh.faces)
                     .map_or(0, |scan| choose_smoothing(&mut self.reconstruction, &scan, unit))
             }
         };
@@ -145,8 +177,11 @@ impl GroupEncoder {
             vertices: decoded.positions.len() as u32,
             faces: decoded.faces.len() as u32,
             nodes: 0,
+            affine_nodes: 0,
             combination: None,
             translation: None,
+            steps: None,
+            cost: None,
             input_faces: mesh.faces.len() as u32,
             decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
             vertex_map: self.config.vertex_maps.then(|| match decimated {
@@ -154,6 +189,7 @@ impl GroupEncoder {
                 None => encoding.vertex_map,
             }),
             fit_rms: 0.0,
+            parts: None,
             reason: self.reason.take(),
         })
     }
@@ -182,16 +218,13 @@ impl GroupEncoder {
     }
 
     /// Chooses, codes and places the group's key nodes; returns the bytes of their unit.
-    /// `predicted` are the group's P-frames, of which the first has index `frame`.
     fn encode_key_nodes(
         &mut self,
-        predicted: &[Mesh],
-        frame: u64,
+        scans: &mut Scans,
         out: &mut Vec<u8>,
     ) -> Result<u64, EncodeError> {
+        let frame = scans.frame(0).0;
         let input = |reason: String| EncodeError::Input { frame, reason };
-        let grid = self.grid;
-        let target = |offset: usize| fit_target(&predicted[offset], grid, frame + offset as u64);
         let intra = self.reconstruction.intra();
         let chooser = NodeChooser::new(&self.config, &self.header.labels, intra);
         let fail = |error: FitError| match error {
@@ -200,7 +233,7 @@ impl GroupEncoder {
             }
             other => input(other.to_string()),
         };
-        let nodes = chooser.choose(predicted.len(), target, fail)?;
+        let nodes = chooser.choose(scans, fail)?;
         self.reconstruction.place(&nodes).map_err(|refused| match self.bare_label() {
             Some(label) => input(without_nodes(Some(label))),
             None => input(broken(refused)),
@@ -218,29 +251,27 @@ impl GroupEncoder {
         labels.iter().find(|label| !nodes.contains(&region(label)))
     }
 
-    /// A P-frame; `None`, with nothing coded, where the motion does not explain it.
+    /// A P-frame, or why the motion does not explain it: then nothing is coded.
     fn encode_motion_frame(
         &mut self,
-        target: &FitTarget,
-        input_faces: u32,
-        index: u64,
+        scan: &Scan,
+        (index, input_faces): (u64, u32),
         out: &mut Vec<u8>,
-    ) -> Result<Option<FrameReport>, EncodeError> {
+    ) -> Result<Result<FrameReport, FitFailure>, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
-        let fit = self.motion.fit(&self.reconstruction, target).map_err(input)?;
-        self.reason = fit.report.failure.map(|failure| failure.to_string());
-        if self.reason.is_some() {
-            return Ok(None);
-        }
+        let CodedMotion { mut motion, combination, cost, fit_rms } =
+            match self.motion.encode(&mut self.reconstruction, scan).map_err(input)? {
+                Ok(coded) => coded,
+                Err(failure) => return Ok(Err(failure)),
+            };
         let context = self.reconstruction.motion_context();
-        let motion = self.motion.quantise(&self.reconstruction, &fit);
-        self.reconstruction.apply(motion).map_err(|broken_rule| input(broken(broken_rule)))?;
+        self.reconstruction.apply(&motion).map_err(|broken_rule| input(broken(broken_rule)))?;
         let positions = self.reconstruction.reference();
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
-        Ok(Some(FrameReport {
+        Ok(Ok(FrameReport {
             index,
             kind: FrameKind::Predicted,
             bytes: append_unit(out, unit::MOTION_FRAME, bits),
@@ -248,15 +279,41 @@ impl GroupEncoder {
             vertices: intra.positions.len() as u32,
             faces: intra.faces.len() as u32,
             nodes: self.reconstruction.nodes().positions.len() as u32,
-            combination: Some(self.config.combination),
+            affine_nodes: self.reconstruction.nodes().affine_count(),
+            combination: Some(combination),
             translation: Some(motion.translation_mode),
+            steps: Some(StepReport::new(&motion, self.header.fraction_bits)),
+            cost,
             input_faces,
             decimation_error: 0.0,
             vertex_map: None,
-            fit_rms: fit.report.source_to_target.rms * self.grid.step,
+            fit_rms: fit_rms * self.grid.step,
+            parts: None,
             reason: None,
         }))
     }
+}
+
+/// P-frames of a group, coded in one way.
+#[derive(Default)]
+struct Pass {
+    units: Vec<u8>,
+    reports: Vec<FrameReport>,
+    /// Why it ends early.
+    reason: Option<String>,
+}
+
+impl Pass {
+    /// The sums over its frames.
+    fn cost(&self) -> CostReport {
+        let costs = self.reports.iter().filter_map(|report| report.cost);
+        costs.reduce(|a, b| a + b).unwrap_or_default()
+    }
+}
+
+/// What D is measured by, where it is.
+fn measure_of(config: &EncoderConfig) -> Option<DistortionMeasure> {
+    is_by_cost(config).then_some(config.distortion)
 }
 
 /// Frames a structure; returns the bytes of the unit.

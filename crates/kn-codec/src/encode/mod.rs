@@ -1,23 +1,26 @@
 //! Frames in, stream out.
 
 mod config;
+mod cost;
 mod decimate;
 mod encoder;
 mod group;
+mod labels;
 mod motion;
 mod nodes;
 mod preset;
 mod quantise;
 mod report;
+mod scan;
 mod sequence;
 mod smoothing;
 mod translation;
 
 pub use config::{
-    AffineChoice, Decimation, EncoderConfig, GridChoice, NamePattern, NodePlacement,
-    SmoothingChoice, TranslationChoice,
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
+    LabelChoice, NamePattern, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
 };
 pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;
-pub use report::{FrameReport, Summary};
+pub use report::{CostReport, FrameReport, StepReport, Summary};

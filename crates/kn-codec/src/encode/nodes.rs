@@ -1,11 +1,12 @@
 //! The key nodes of a group of frames.
 
-use crate::encode::config::{AffineChoice, EncoderConfig, NodePlacement};
+use crate::encode::config::{AffineChoice, CombinationChoice, EncoderConfig, NodePlacement};
+use crate::encode::scan::{Scans, distortion_slope};
 use crate::error::EncodeError;
 use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, LabelSet, NodeSites};
 use kn_deform::{BindOptions, Influence, WeightScheme, bind};
 use kn_fit::{
-    FitError, FitOptions, FitTarget, GenerateOptions, NodeCount, NodeSource, RankBy,
+    FitError, FitOptions, FitSource, GenerateOptions, NodeCount, NodeSource, RankBy, affine_gains,
     generate_nodes, place_farthest,
 };
 use kn_mesh::GridMesh;
@@ -15,6 +16,8 @@ const KEY_FRAME: f64 = 0.6;
 /// Bytes of a key node: its place, and its share of a P-frame.
 const PLACE_BYTES: f64 = 1.0;
 const MOTION_BYTES: f64 = 3.5;
+/// Bytes of the scales and shears of an affine node in a P-frame.
+const STRETCH_BYTES: f64 = 2.0;
 /// λ: bytes of a group that are worth one squared grid step of mean squared error.
 const LAMBDA: f64 = 1000.0;
 
@@ -46,31 +49,30 @@ impl<'a> NodeChooser<'a> {
         }
     }
 
-    /// Key nodes for a group with `predicted` P-frames; `target` prepares one of them.
+    /// Key nodes for a group with these P-frames.
     ///
     /// # Errors
-    /// What `target` returns; a mesh without a surface, as `fail` words it.
+    /// What `scans` returns; a mesh without a surface, as `fail` words it.
     pub(crate) fn choose(
         &self,
-        predicted: usize,
-        target: impl Fn(usize) -> Result<FitTarget, EncodeError>,
+        scans: &mut Scans,
         fail: impl Fn(FitError) -> EncodeError,
     ) -> Result<KeyNodes, EncodeError> {
         let vertices = match self.config.placement {
             NodePlacement::Farthest => None,
-            NodePlacement::Generated => {
-                self.generate(predicted, target, RankBy::Distance, &fail)?
-            }
-            NodePlacement::GeneratedByMsdm2 => {
-                self.generate(predicted, target, RankBy::Msdm2, &fail)?
-            }
+            NodePlacement::Generated => self.generate(scans, RankBy::Distance, &fail)?,
+            NodePlacement::GeneratedByMsdm2 => self.generate(scans, RankBy::Msdm2, &fail)?,
         };
         let mut vertices = match vertices {
             Some(vertices) => vertices,
-            None => self.farthest().map_err(fail)?,
+            None => self.farthest().map_err(&fail)?,
         };
         vertices.sort_unstable();
-        Ok(self.cheapest(&vertices))
+        let affine = match self.config.affine {
+            AffineChoice::Cost => AffineNodes::Nodes(self.affine_by_cost(&vertices, scans, &fail)?),
+            _ => affine_nodes(&self.config.affine, self.labels),
+        };
+        Ok(self.cheapest(&vertices, affine))
     }
 
     fn regions(&self) -> Option<&[u8]> {
@@ -86,8 +88,7 @@ impl<'a> NodeChooser<'a> {
     /// Nodes by the motion to the key frame; `None` where no frame can be tracked.
     fn generate(
         &self,
-        predicted: usize,
-        target: impl Fn(usize) -> Result<FitTarget, EncodeError>,
+        scans: &mut Scans,
         rank_by: RankBy,
         fail: impl Fn(FitError) -> EncodeError,
     ) -> Result<Option<Vec<u32>>, EncodeError> {
@@ -100,21 +101,54 @@ impl<'a> NodeChooser<'a> {
             affine: &affine,
             bind: &bind,
         };
-        let options = GenerateOptions {
-            count: self.count(predicted),
-            rank_by,
-            fit: FitOptions { combination: self.config.combination, ..FitOptions::default() },
-        };
+        let options =
+            GenerateOptions { count: self.count(scans.len()), rank_by, fit: self.fit_options() };
         // A frame that is too far to be tracked gives way to one half as far.
-        let mut ahead = (KEY_FRAME * predicted as f64).ceil() as usize;
+        let mut ahead = key_frame(scans);
         while ahead > 0 {
-            let found = generate_nodes(&source, &target(ahead - 1)?, &options).map_err(&fail)?;
+            let key = scans.keep(ahead - 1)?;
+            let found = generate_nodes(&source, &key.target, &options).map_err(&fail)?;
             if found.is_some() {
                 return Ok(found);
             }
             ahead /= 2;
         }
         Ok(None)
+    }
+
+    /// `#N`, whether a node's scales and shears lower J = D + λR in the key frame: both fits share
+    /// their matches, and what the affine one is nearer to the scan counts for the nodes that moved
+    /// the vertices there.
+    fn affine_by_cost(
+        &self,
+        vertices: &[u32],
+        scans: &mut Scans,
+        fail: &impl Fn(FitError) -> EncodeError,
+    ) -> Result<Vec<bool>, EncodeError> {
+        let key = scans.keep(key_frame(scans).max(1) - 1)?;
+        let influence = self.bind(vertices).map_err(fail)?;
+        let nodes: Vec<[f64; 3]> = vertices.iter().map(|&v| self.positions[v as usize]).collect();
+        let source = FitSource {
+            positions: &self.positions,
+            faces: &self.intra.faces,
+            influence: &influence,
+            nodes: &nodes,
+            affine: &vec![true; nodes.len()],
+            labels: None,
+        };
+        let gains = affine_gains(&source, &key.target, &self.fit_options()).map_err(fail)?;
+        let price = self.config.lambda * STRETCH_BYTES / distortion_slope(gains.rigid);
+        Ok(gains.nodes.iter().map(|&gain| gain > price).collect())
+    }
+
+    /// How the generator fits.
+    fn fit_options(&self) -> FitOptions {
+        match self.config.combination {
+            CombinationChoice::Fixed(combination) => {
+                FitOptions { combination, ..FitOptions::default() }
+            }
+            _ => FitOptions::default(),
+        }
     }
 
     fn count(&self, predicted: usize) -> NodeCount {
@@ -150,17 +184,18 @@ impl<'a> NodeChooser<'a> {
                 self.intra.labels.iter().map(|&label| flags[usize::from(label)]).collect()
             }
             AffineNodes::All => vec![true; self.positions.len()],
+            // Nodes by cost go where rigid ones fail.
             AffineNodes::None | AffineNodes::Nodes(_) => vec![false; self.positions.len()],
         }
     }
 
     /// The nodes as indices of I-frame vertices or as differences of positions, whichever takes
     /// fewer bits.
-    fn cheapest(&self, vertices: &[u32]) -> KeyNodes {
+    fn cheapest(&self, vertices: &[u32], affine: AffineNodes) -> KeyNodes {
         let points = vertices.iter().map(|&v| self.intra.positions[v as usize]).collect();
         let coded = |sites: NodeSites| KeyNodes {
             sites,
-            affine: affine_nodes(&self.config.affine, self.labels),
+            affine: affine.clone(),
             weight_sigma: match self.config.weights {
                 WeightScheme::Gaussian { sigma } => Some(sigma),
                 WeightScheme::InverseSquare | WeightScheme::Sumner => None,
@@ -170,6 +205,11 @@ impl<'a> NodeChooser<'a> {
         let by_point = coded(NodeSites::Points(points));
         if bytes(&by_point) < bytes(&by_vertex) { by_point } else { by_vertex }
     }
+}
+
+/// How many frames ahead of the I-frame the key frame is.
+fn key_frame(scans: &Scans) -> usize {
+    (KEY_FRAME * scans.len() as f64).ceil() as usize
 }
 
 fn bytes(nodes: &KeyNodes) -> usize {
@@ -186,6 +226,6 @@ fn affine_nodes(choice: &AffineChoice, labels: &LabelSet) -> AffineNodes {
             let flag = |label: u32| affine.iter().any(|&one| u32::from(one) == label);
             AffineNodes::Labels((0..labels.label_count()).map(flag).collect())
         }
-        AffineChoice::None | AffineChoice::Labels(_) => AffineNodes::None,
+        AffineChoice::None | AffineChoice::Labels(_) | AffineChoice::Cost => AffineNodes::None,
     }
 }

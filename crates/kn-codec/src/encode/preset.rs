@@ -1,8 +1,12 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{AffineChoice, EncoderConfig, TranslationChoice};
-use kn_deform::{InfluenceMode, WeightScheme};
+use crate::encode::config::{
+    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, StepChoice,
+    TranslationChoice,
+};
+use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_fit::PartStart;
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +20,8 @@ pub struct Preset {
 const PRESETS: &[Preset] = &[
     Preset {
         name: "bimodal",
-        about: "rigid nodes in the limbs, affine ones in the torso, 1/d² weights, the cheapest \
-                prediction of translations",
+        about: "rigid nodes in the limbs, affine ones in the torso; components, steps and prediction \
+                of translations at the least cost",
         change: |_| {},
     },
     Preset {
@@ -25,7 +29,10 @@ const PRESETS: &[Preset] = &[
         about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
+            config.labels = LabelChoice::Given;
             config.affine = AffineChoice::None;
+            config.combination = Combination::RT.into();
+            config.motion_step = StepChoice::Fixed(2.0);
             config.nodes = 2 * EncoderConfig::default().nodes;
             config.weights = WeightScheme::Sumner;
             config.translation = TranslationChoice::Direct;
@@ -47,6 +54,46 @@ const PRESETS: &[Preset] = &[
         change: |config| config.affine = AffineChoice::All,
     },
     Preset {
+        name: "affine-by-cost",
+        about: "bimodal with affine nodes where their scales and shears pay, labels or not",
+        change: |config| config.affine = AffineChoice::Cost,
+    },
+    Preset {
+        name: "combination-rtsh",
+        about: "bimodal with all components in every P-frame",
+        change: |config| config.combination = Combination::RTSH.into(),
+    },
+    Preset {
+        name: "per-frame",
+        about: "bimodal with the components chosen in every P-frame",
+        change: |config| config.combination = CombinationChoice::PerFrame,
+    },
+    Preset {
+        name: "look-ahead",
+        about: "bimodal with the components chosen by what the whole group costs; slow",
+        change: |config| config.combination = CombinationChoice::LookAhead,
+    },
+    Preset {
+        name: "steps-fixed",
+        about: "bimodal with the same quantiser steps in all P-frames",
+        change: |config| config.motion_step = StepChoice::Fixed(2.0),
+    },
+    Preset {
+        name: "choice-by-msdm2",
+        about: "bimodal with D measured by MSDM2 instead of its surrogate; slow",
+        change: |config| config.distortion = DistortionMeasure::Msdm2,
+    },
+    Preset {
+        name: "part-start-off",
+        about: "bimodal without segment-guided correspondence",
+        change: |config| config.part_start = PartStart::Off,
+    },
+    Preset {
+        name: "part-start-on",
+        about: "bimodal with segment-guided correspondence in every frame, as in the paper",
+        change: |config| config.part_start = PartStart::On,
+    },
+    Preset {
         name: "translation-direct",
         about: "bimodal without prediction of translations",
         change: |config| config.translation = TranslationChoice::Direct,
@@ -58,9 +105,9 @@ const PRESETS: &[Preset] = &[
         change: |config| config.translation = TranslationChoice::Paper,
     },
     Preset {
-        name: "weights-sumner",
-        about: "bimodal with the earlier codec's weights (Sumner's stand in for them)",
-        change: |config| config.weights = WeightScheme::Sumner,
+        name: "weights-inverse-square",
+        about: "bimodal with the paper's weights 1/d²",
+        change: |config| config.weights = WeightScheme::InverseSquare,
     },
     Preset {
         name: "weights-gaussian",

@@ -1,6 +1,6 @@
 //! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
 
-use crate::encode::config::EncoderConfig;
+use crate::encode::config::{EncoderConfig, StepChoice};
 use kn_bitstream::{
     Components, HUFFMAN_VALUE_LIMIT, MotionFrame, best_table, parameter_step, translation_step,
 };
@@ -15,25 +15,77 @@ pub(crate) struct Steps {
     pub(crate) shear: u8,
 }
 
+/// Components whose steps are chosen together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StepGroup {
+    Translation,
+    Rotation,
+    Stretch,
+}
+
 impl Steps {
     /// The steps nearest to those of the settings.
     ///
     /// `reach` is the distance over which a node moves vertices, in reference units: an angle's, a
     /// scale's or a shear's error grows with it. `unit` is a grid step in reference units.
     pub(crate) fn new(config: &EncoderConfig, unit: f64, reach: f64) -> Self {
+        let motion = match config.motion_step {
+            StepChoice::Fixed(step) => step,
+            StepChoice::Cost => USUAL,
+        };
         let parameter = |step: Option<f64>, default: f64| {
-            let moved = step.unwrap_or(default * config.motion_step) * unit;
+            let moved = step.unwrap_or(default * motion) * unit;
             nearest(moved / reach.max(1.0) * ONE, parameter_step)
         };
         Self {
-            translation: nearest(config.motion_step * unit, translation_step),
+            translation: nearest(motion * unit, translation_step),
             rotation: parameter(config.rotation_step, 1.0),
             scale: parameter(config.scale_step, STRETCH),
             shear: parameter(config.shear_step, STRETCH),
         }
     }
+
+    /// The steps of a group of components `by` indices coarser; `None` where the settings fix them
+    /// or where that is far from `usual`.
+    pub(crate) fn coarser(
+        self,
+        group: StepGroup,
+        by: i8,
+        config: &EncoderConfig,
+        usual: Self,
+    ) -> Option<Self> {
+        if config.motion_step != StepChoice::Cost {
+            return None;
+        }
+        let moved = |step: u8, fixed: Option<f64>, usual: u8| match fixed {
+            Some(_) => Some(step),
+            None => {
+                let step = step.checked_add_signed(by).filter(|&step| step < 64)?;
+                (step.abs_diff(usual) <= FARTHEST).then_some(step)
+            }
+        };
+        let changed = match group {
+            StepGroup::Translation => {
+                Self { translation: moved(self.translation, None, usual.translation)?, ..self }
+            }
+            StepGroup::Rotation => {
+                let rotation = moved(self.rotation, config.rotation_step, usual.rotation)?;
+                Self { rotation, ..self }
+            }
+            StepGroup::Stretch => Self {
+                scale: moved(self.scale, config.scale_step, usual.scale)?,
+                shear: moved(self.shear, config.shear_step, usual.shear)?,
+                ..self
+            },
+        };
+        (changed != self).then_some(changed)
+    }
 }
 
+/// Where the search for a step begins, in grid steps.
+const USUAL: f64 = 2.0;
+/// How many indices it may go from there: three octaves.
+const FARTHEST: u8 = 12;
 /// Scales and shears are quantised so much more coarsely than translations: neighbours average their
 /// errors out (`docs/notes/translation.md`).
 const STRETCH: f64 = 2.0;
@@ -98,7 +150,7 @@ pub(crate) fn quantise_parameters(
 }
 
 /// A parameter step as a number.
-fn unit_step(index: u8) -> f64 {
+pub(crate) fn unit_step(index: u8) -> f64 {
     parameter_step(index) as f64 / ONE
 }
 
@@ -132,12 +184,26 @@ mod tests {
 
     #[test]
     fn steps_move_vertices_as_far_as_told() {
-        let told =
-            EncoderConfig { motion_step: 1.0, shear_step: Some(4.0), ..EncoderConfig::default() };
+        let told = EncoderConfig {
+            motion_step: StepChoice::Fixed(1.0),
+            shear_step: Some(4.0),
+            ..EncoderConfig::default()
+        };
         let steps = Steps::new(&told, 256.0, 256.0 * 64.0);
         assert_eq!(translation_step(steps.translation), 256);
         assert_eq!(unit_step(steps.rotation), 1.0 / 64.0);
         assert_eq!(unit_step(steps.shear), 1.0 / 16.0);
+    }
+
+    #[test]
+    fn only_steps_by_cost_are_changed() {
+        let by_cost = EncoderConfig { scale_step: Some(4.0), ..EncoderConfig::default() };
+        let usual = Steps::new(&by_cost, 256.0, 256.0 * 64.0);
+        let stretch = usual.coarser(StepGroup::Stretch, 2, &by_cost, usual).expect("shear is free");
+        assert_eq!((stretch.scale, stretch.shear), (usual.scale, usual.shear + 2));
+        assert_eq!(usual.coarser(StepGroup::Translation, 13, &by_cost, usual), None);
+        let fixed = EncoderConfig { motion_step: StepChoice::Fixed(2.0), ..by_cost };
+        assert_eq!(usual.coarser(StepGroup::Rotation, 2, &fixed, usual), None);
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! What an encoder tells about its frames.
 
 use crate::decode::FrameKind;
-use kn_bitstream::TranslationMode;
+use crate::encode::quantise::unit_step;
+use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
 use kn_deform::Combination;
+use kn_fit::segment::Segmentation;
 
 /// What became of one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,10 +23,16 @@ pub struct FrameReport {
     pub faces: u32,
     /// Key nodes, 0 for an I-frame.
     pub nodes: u32,
+    /// Of these, affine ones.
+    pub affine_nodes: u32,
     /// Components of affine nodes; `None` for an I-frame.
     pub combination: Option<Combination>,
     /// What translations are predicted from; `None` for an I-frame.
     pub translation: Option<TranslationMode>,
+    /// Quantiser steps; `None` for an I-frame.
+    pub steps: Option<StepReport>,
+    /// What the frame costs, where anything was chosen by cost.
+    pub cost: Option<CostReport>,
     /// Faces of the input frame.
     pub input_faces: u32,
     /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
@@ -36,8 +44,50 @@ pub struct FrameReport {
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
     /// I-frame.
     pub fit_rms: f64,
+    /// What the segmentation found, where it was asked for labels; the labels are not kept.
+    pub parts: Option<Segmentation>,
     /// Why this I-frame begins its group early: what the motion could not explain.
     pub reason: Option<String>,
+}
+
+/// Quantiser steps of a P-frame; 0 where no node carries the component.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Of translations, in grid steps.
+    pub translation: f64,
+    /// Of angles, in radians.
+    pub rotation: f64,
+    /// Of scales.
+    pub scale: f64,
+    /// Of shears.
+    pub shear: f64,
+}
+
+impl StepReport {
+    /// The steps of a frame.
+    pub(crate) fn new(motion: &MotionFrame, fraction_bits: u8) -> Self {
+        let unit = f64::from(1_u32 << fraction_bits);
+        let parameter = |step: u8, list: &[[i32; 3]]| {
+            if list.is_empty() { 0.0 } else { unit_step(step) }
+        };
+        Self {
+            translation: translation_step(motion.translation_step) as f64 / unit,
+            rotation: parameter(motion.rotation_step, &motion.rotation),
+            scale: parameter(motion.scale_step, &motion.scale),
+            shear: parameter(motion.shear_step, &motion.shear),
+        }
+    }
+}
+
+/// J = D + λR of a P-frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CostReport {
+    /// D, as [`crate::DistortionMeasure`] says.
+    pub distortion: f64,
+    /// R: bytes of the motion, without the framing of the unit and without key nodes.
+    pub bytes: u64,
+    /// J.
+    pub total: f64,
 }
 
 /// What became of the sequence.

@@ -1,7 +1,7 @@
 //! From the settings and the first frame to the sequence header.
 
 use crate::encode::config::{
-    Decimation, EncoderConfig, GridChoice, NodePlacement, SmoothingChoice,
+    Decimation, EncoderConfig, GridChoice, NodePlacement, SmoothingChoice, StepChoice,
 };
 use crate::error::EncodeError;
 use kn_bitstream::{
@@ -67,8 +67,14 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
         require(strength <= kn_bitstream::MAX_SMOOTHING, "smoothing is 0 to 5")?;
     }
     let parameters = [config.rotation_step, config.scale_step, config.shear_step];
-    let steps = parameters.into_iter().flatten().chain([config.motion_step]);
+    let motion = match config.motion_step {
+        StepChoice::Fixed(step) => Some(step),
+        StepChoice::Cost => None,
+    };
+    let steps = parameters.into_iter().flatten().chain(motion);
     require(steps.into_iter().all(|step| step > 0.0), "a quantiser step is not positive")?;
+    let lambda = config.lambda;
+    require(lambda >= 0.0 && lambda.is_finite(), "lambda is not 0 or more")?;
     let lossless = matches!(config.grid, GridChoice::Lossless(_));
     require(!lossless || config.group_length == 1, "only groups of one frame are lossless")?;
     require(!lossless || config.decimation.is_none(), "a decimated mesh is not lossless")?;

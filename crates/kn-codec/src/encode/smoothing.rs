@@ -2,7 +2,7 @@
 
 use crate::decode::Reconstruction;
 use kn_bitstream::MAX_SMOOTHING;
-use kn_fit::FitTarget;
+use kn_metrics::TriangleTree;
 
 /// Faces that the choice looks at, about.
 const SAMPLES: usize = 4000;
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1.03;
 /// Where the scan was on the grid from the start, nothing is smoothed.
 pub(crate) fn choose_smoothing(
     reconstruction: &mut Reconstruction,
-    scan: &FitTarget,
+    scan: &TriangleTree,
     unit: f64,
 ) -> u8 {
     let mut error = |strength| {
@@ -31,7 +31,9 @@ pub(crate) fn choose_smoothing(
             std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / (3.0 * unit))
         };
         let points: Vec<[f64; 3]> = faces.iter().step_by(stride).map(centroid).collect();
-        scan.rms_distance(&points)
+        let closest = scan.closest_all(&points);
+        let sum: f64 = closest.iter().map(|closest| closest.distance_squared).sum();
+        (sum / points.len().max(1) as f64).sqrt()
     };
     let bound = TOLERANCE * error(0);
     (1..=MAX_SMOOTHING).rev().find(|&strength| error(strength) <= bound).unwrap_or(0)

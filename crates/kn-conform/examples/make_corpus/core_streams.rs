@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use kn_codec::{
-    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice,
+    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, StepChoice,
     TranslationChoice,
 };
 use kn_conform::{Spec, node_labels};
@@ -32,7 +32,9 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         grid: GridChoice::Bits { bits: 9, bounds: None },
         nodes: 12,
         translation: TranslationChoice::Direct,
-        motion_step: 1.0,
+        weights: WeightScheme::InverseSquare,
+        combination: Combination::RTSH.into(),
+        motion_step: StepChoice::Fixed(1.0),
         scale_step: Some(1.0),
         shear_step: Some(1.0),
         ..EncoderConfig::default()
@@ -55,8 +57,11 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         config(),
     )?;
     for (name, danger, combination) in COMBINATIONS {
-        let config =
-            EncoderConfig { combination, affine: AffineChoice::Labels(vec![7]), ..config() };
+        let config = EncoderConfig {
+            combination: combination.into(),
+            affine: AffineChoice::Labels(vec![7]),
+            ..config()
+        };
         let covers = &[
             "nodes.affine",
             "nodes.label.nearest",
@@ -93,7 +98,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         &short(&plain),
         EncoderConfig {
             affine: AffineChoice::All,
-            combination: Combination::new(false, true, false),
+            combination: Combination::new(false, true, false).into(),
             ..config()
         },
     )?;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 
 use kn_codec::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra};
+use kn_conform::decode_mesh;
 use kn_mesh::{GridMesh, Mesh};
 
 use crate::Draft;
@@ -23,9 +24,24 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             "The least value of a lattice is −2^20: its magnitude is one too large.",
             &lattice_payload([&[-(1 << 20), 0], &[0], &[0]], &[[1, 0, 0]]),
         ),
+        draft(
+            "intra_sections_consumed",
+            "intra.sections.consumed",
+            "A geometry section with 16 bytes more than its decisions read.",
+            &spare_bytes()?,
+        ),
+        draft(
+            "intra_counts_density",
+            "intra.counts.density",
+            "40000 vertices, which the level allows, in 16 bytes, which cannot hold them: refuse before allocating.",
+            &[0, 0, 0xc0, 0xb8, 0x02, 0xc0, 0xb8, 0x02, 0, 0, 0, 0, 0, 1, 0, 0],
+        ),
         nodes_on_nothing()?,
     ];
     for (rule, payload) in damaged_payloads()? {
+        if ["intra.sections.consumed", "intra.counts.density"].contains(&rule) {
+            continue;
+        }
         let name = rule.replace('.', "_");
         drafts.push(draft(&name, rule, "A damaged or hostile mesh.", &payload));
     }
@@ -71,15 +87,28 @@ fn damaged_payloads() -> Result<BTreeMap<&'static str, Vec<u8>>, Box<dyn Error>>
     Ok(found)
 }
 
-/// The rule by which a payload is refused at level 0.
+/// The rule by which a payload is refused at level 0, by our decoder and read literally: what breaks
+/// several rules is of use only where both meet the same one first.
 fn broken_rule(payload: &[u8]) -> Option<&'static str> {
     let limits = IntraLimits { max_vertices: 1 << 16, max_faces: 1 << 17 };
     let mut mesh = GridMesh::default();
     match decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut mesh) {
-        Err(IntraError::Malformed { rule, .. }) => Some(rule),
+        Err(IntraError::Malformed { rule, .. }) if decode_mesh(payload) == Err(rule) => Some(rule),
         Err(IntraError::Limit { .. }) => Some("intra.size.level"),
         _ => None,
     }
+}
+
+/// A sound payload but for what its geometry section ends with. The counts of this mesh are below
+/// 128, so that each number of the header is a byte.
+fn spare_bytes() -> Result<Vec<u8>, Box<dyn Error>> {
+    const GEOMETRY_SIZE: usize = 2 + 7;
+    let mut payload = payload_of(&strip(8, Some([0, 7])))?;
+    let sizes = &payload[GEOMETRY_SIZE - 1..];
+    let end = payload.len() - usize::from(sizes[2]);
+    payload.splice(end..end, [0; 16]);
+    payload[GEOMETRY_SIZE] += 16;
+    Ok(payload)
 }
 
 /// Every prefix, every flipped bit, and every byte replaced by a few others.

@@ -11,8 +11,12 @@ mod meshes;
 mod shapes;
 mod texts;
 mod uncommon;
+mod uncommon_labels;
+mod uncommon_last_bits;
 mod uncommon_meshes;
 mod uncommon_motion;
+mod uncommon_paths;
+mod uncommon_smoothing;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -67,7 +71,15 @@ fn make() -> Result<(), Box<dyn Error>> {
 }
 
 fn uncommon_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
-    let lists = [uncommon::drafts()?, uncommon_meshes::drafts()?, uncommon_motion::drafts()?];
+    let lists = [
+        uncommon::drafts()?,
+        uncommon_labels::drafts()?,
+        uncommon_last_bits::drafts()?,
+        uncommon_meshes::drafts()?,
+        uncommon_motion::drafts()?,
+        uncommon_paths::drafts()?,
+        uncommon_smoothing::drafts()?,
+    ];
     Ok(lists.concat())
 }
 

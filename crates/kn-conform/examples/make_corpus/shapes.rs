@@ -51,6 +51,33 @@ pub(crate) fn sphere(meridians: u32, parallels: u32) -> Faces {
     faces
 }
 
+/// Two triangles back to back: three vertices of valence 2.
+pub(crate) fn pillow() -> Faces {
+    vec![[0, 1, 2], [0, 2, 1]]
+}
+
+/// A sphere whose edges are turned wherever that makes valences less equal, so that few edges lead
+/// from any vertex to hundreds.
+pub(crate) fn hubs(meridians: u32, parallels: u32) -> Faces {
+    let faces = sphere(meridians, parallels);
+    let mut valences = vec![0; vertex_count(&faces) as usize];
+    for &vertex in faces.iter().flatten() {
+        valences[vertex as usize] += 1;
+    }
+    let tries = 8 * faces.len();
+    turn_edges(faces, tries, &mut Noise::new(7), |ends, tips| {
+        let of = |pair: [u32; 2]| pair.map(|v| valences[v as usize]);
+        let [ends_now, tips_now] = [of(ends), of(tips)];
+        let turn = ends_now.iter().all(|&v| v > 3)
+            && ends_now.iter().sum::<u32>() < tips_now.iter().sum::<u32>() + 3;
+        if turn {
+            ends.into_iter().for_each(|v| valences[v as usize] -= 1);
+            tips.into_iter().for_each(|v| valences[v as usize] += 1);
+        }
+        turn
+    })
+}
+
 pub(crate) fn torus(around: u32, across: u32) -> Faces {
     let at = |i: u32, j: u32| i % around * across + j % across;
     let quads = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
@@ -90,7 +117,17 @@ pub(crate) fn together(parts: &[Faces]) -> Faces {
 }
 
 /// The surface with edges turned here and there, wherever that doubles no edge.
-pub(crate) fn turned_edges(mut faces: Faces, tries: usize, noise: &mut Noise) -> Faces {
+pub(crate) fn turned_edges(faces: Faces, tries: usize, noise: &mut Noise) -> Faces {
+    turn_edges(faces, tries, noise, |_, _| true)
+}
+
+/// Likewise, where `wanted` says so of an edge's two ends and the two tips that it would join.
+fn turn_edges(
+    mut faces: Faces,
+    tries: usize,
+    noise: &mut Noise,
+    mut wanted: impl FnMut([u32; 2], [u32; 2]) -> bool,
+) -> Faces {
     let tip = |face: &[u32; 3], a: u32, b: u32| {
         (0..3).find(|&k| face[k] == a && face[(k + 1) % 3] == b).map(|k| face[(k + 2) % 3])
     };
@@ -100,7 +137,7 @@ pub(crate) fn turned_edges(mut faces: Faces, tries: usize, noise: &mut Noise) ->
         let beyond = faces.iter().enumerate().find_map(|(g, face)| Some((g, tip(face, b, a)?)));
         let Some((other, d)) = beyond else { continue };
         let joined = faces.iter().any(|face| face.contains(&c) && face.contains(&d));
-        if !joined && c != d {
+        if !joined && c != d && wanted([a, b], [c, d]) {
             faces[at] = [c, d, b];
             faces[other] = [d, c, a];
         }
@@ -126,6 +163,16 @@ pub(crate) fn knotted(mut faces: Faces, groups: &[usize], noise: &mut Noise) -> 
                 *corner = group[0];
             }
         }
+    }
+    close_gaps(&mut faces);
+    faces
+}
+
+/// The surface with pairs of vertices made one each.
+pub(crate) fn knotted_at(mut faces: Faces, pairs: &[(u32, u32)]) -> Faces {
+    for corner in faces.iter_mut().flatten() {
+        let pair = pairs.iter().find(|(_, other)| other == corner);
+        *corner = pair.map_or(*corner, |&(vertex, _)| vertex);
     }
     close_gaps(&mut faces);
     faces

@@ -20,6 +20,19 @@ const EDGE: i32 = (1 << 20) - 1;
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     Ok(vec![
         lattices()?,
+        written(
+            "waiting",
+            "The order in which half-edges wait after a jump; two edges between the same vertices, so that a \
+             neighbour votes twice.",
+            &["intra.connectivity.add", "intra.connectivity.gate", "intra.labels.vote"],
+            include_str!("waiting.txt"),
+        ),
+        written(
+            "joined_neighbours",
+            "Points of many copies, two of them in one triangle: which is settled before which is known.",
+            &["intra.join.twins", "intra.geometry.twins", "intra.geometry.order"],
+            include_str!("joined_neighbours.txt"),
+        ),
         groups(
             "high_valences",
             "Vertices of 33, 40, 70 and 100 triangles: 32 half-edges predict, valences count up to 64, \
@@ -60,8 +73,13 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     ])
 }
 
+/// A stream whose text was made by another encoder: surfaces that ours takes apart.
+fn written(name: &str, danger: &str, covers: &'static [&'static str], text: &str) -> Draft {
+    Draft { name: name.into(), text: text.into(), danger: danger.into(), rule: None, covers }
+}
+
 /// A stream of groups of one frame each, with labels where the meshes have them.
-fn groups(
+pub(crate) fn groups(
     name: &str,
     danger: &str,
     covers: &'static [&'static str],
@@ -86,7 +104,7 @@ fn frames(
 }
 
 /// Labels without any order.
-fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
+pub(crate) fn noise_labels(count: usize) -> impl FnMut(u32) -> u8 {
     let mut noise = Noise::new(5);
     move |_| noise.below(count) as u8
 }
@@ -154,6 +172,12 @@ fn extremes() -> Vec<GridMesh> {
     vec![corners, mesh(torus(9, 10), far, None)]
 }
 
+/// Triangles so large that errors of a few steps are far below what they let expect.
+fn nearly_plane(vertex: u32) -> [i32; 3] {
+    let mut noise = Noise::new(u64::from(vertex) + 1);
+    [3000 * (vertex % 12) as i32, 3000 * (vertex / 12) as i32, noise.around(3)]
+}
+
 fn flat() -> Vec<GridMesh> {
     let row = |width: u32, step: u32| {
         move |v: u32| [v % width * step, 0, v / width * step].map(|x| x as i32)
@@ -163,6 +187,7 @@ fn flat() -> Vec<GridMesh> {
         mesh(plane.clone(), |_| [5, -7, 9], None),
         mesh(plane, row(6, 100), None),
         mesh(sphere(8, 5), row(8, 1), None),
+        mesh(torus(12, 12), nearly_plane, None),
     ]
 }
 

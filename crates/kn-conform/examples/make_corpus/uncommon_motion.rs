@@ -1,4 +1,4 @@
-//! P-frames whose result hangs on a weight, a rounding or a last bit. Their meshes are vertices
+//! P-frames whose result hangs on a weight or a rounding. Their meshes are vertices
 //! without faces.
 
 use std::error::Error;
@@ -13,10 +13,11 @@ use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 const LIMIT: i64 = 1 << 20;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
-    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?, last_bits()?];
+    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?];
     for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
-        drafts.push(ties(name, slots)?);
+        drafts.push(ties(name, slots, slots)?);
     }
+    drafts.push(ties("ties_one_node", 6, 1)?);
     for (scheme, name) in
         [(0, "few_nodes_inverse"), (1, "few_nodes_sumner"), (2, "few_nodes_gaussian")]
     {
@@ -30,28 +31,37 @@ pub(crate) fn faulty() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 /// Nodes as points, and one P-frame for each entry of `motions`.
-struct Scene {
-    header: Text,
-    mesh: GridMesh,
-    nodes: Vec<[i32; 3]>,
-    affine: bool,
-    sigma: Option<u32>,
-    motions: Vec<Motion>,
+pub(crate) struct Scene {
+    pub(crate) header: Text,
+    pub(crate) mesh: GridMesh,
+    pub(crate) nodes: Vec<[i32; 3]>,
+    pub(crate) affine: bool,
+    pub(crate) sigma: Option<u32>,
+    pub(crate) motions: Vec<Motion>,
 }
 
 /// Values of a P-frame: translation, and rotation of rigid or scale of affine nodes.
-struct Motion {
-    translation: Vec<[i32; 3]>,
-    turn_or_scale: Vec<[i32; 3]>,
-    steps: [u8; 2],
+#[derive(Default)]
+pub(crate) struct Motion {
+    pub(crate) translation: Vec<[i32; 3]>,
+    pub(crate) turn_or_scale: Vec<[i32; 3]>,
+    pub(crate) steps: [u8; 2],
+    /// `translation_mode`.
+    pub(crate) mode: u8,
+    /// `translation_change`, for mode 2.
+    pub(crate) changes: Vec<[i32; 3]>,
 }
 
 impl Scene {
     fn text(&self) -> Result<String, Box<dyn Error>> {
+        Ok(format!("{}{}{INDEX}", self.header.clone().build(), self.group()?))
+    }
+
+    /// The units of a group of frames.
+    pub(crate) fn group(&self) -> Result<String, Box<dyn Error>> {
         let intra = intra_unit(&payload_of(&self.mesh)?);
         let motions: String = self.motions.iter().map(|motion| self.motion(motion)).collect();
-        let nodes = self.nodes_unit();
-        Ok(format!("{}{intra}{nodes}{motions}{INDEX}", self.header.clone().build()))
+        Ok(intra + &self.nodes_unit() + &motions)
     }
 
     fn nodes_unit(&self) -> String {
@@ -74,12 +84,17 @@ impl Scene {
         let values = numbers(&motion.turn_or_scale);
         let [translation_step, step] = motion.steps;
         let name = if self.affine { "scale" } else { "rotation" };
+        let changes = match motion.mode {
+            2 => format!("translation_change = {}\n", numbers(&motion.changes)),
+            _ => String::new(),
+        };
         format!(
             "\nunit_type = 4\ndigest_present = 0\nname_present = 0\nreference_mode = 0\n\
-             entropy_mode = 0\nresidual_present = 0\ntranslation_mode = 0\nrotation_enabled = 0\n\
+             entropy_mode = 0\nresidual_present = 0\ntranslation_mode = {}\nrotation_enabled = 0\n\
              scale_enabled = {}\nshear_enabled = 0\ntranslation_step = {translation_step}\n\
              translation_table = 30\n{name}_step = {step}\nparameter_table = 20\n\
-             translation = {}\n{name} = {values}\n",
+             {changes}translation = {}\n{name} = {values}\n",
+            motion.mode,
             u8::from(self.affine),
             numbers(&motion.translation),
         )
@@ -113,24 +128,29 @@ fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
     GridMesh { positions, ..GridMesh::default() }
 }
 
-/// All nodes in the origin, so that weights are 1/Q; a scale of 1.5 makes halves of odd
+/// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes halves of odd
 /// coordinates, and translations add up to whole numbers of Q.
-fn ties(name: &str, slots: usize) -> Result<Draft, Box<dyn Error>> {
+fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft, Box<dyn Error>> {
     let mut noise = Noise::new(slots as u64);
     let odd = |noise: &mut Noise| noise.point(3000).map(|x| 2 * x + 1);
     let positions = (0..40).map(|_| odd(&mut noise)).collect();
-    let mut translation: Vec<[i32; 3]> = (1..slots).map(|_| noise.point(9)).collect();
+    let mut translation: Vec<[i32; 3]> = (1..nodes).map(|_| noise.point(9)).collect();
     let sum = |axis: usize| translation.iter().map(|t| t[axis]).sum::<i32>();
     let last = [0, 1, 2].map(|axis| -sum(axis).rem_euclid(slots as i32));
     translation.push(last);
     let scene = Scene {
         header: whole_steps(slots),
         mesh: cloud(positions),
-        nodes: vec![[0; 3]; slots],
+        nodes: vec![[0; 3]; nodes],
         affine: true,
         sigma: None,
         // A step of 2^−8, 128 times.
-        motions: vec![Motion { translation, turn_or_scale: vec![[128; 3]; slots], steps: [0, 24] }],
+        motions: vec![Motion {
+            translation,
+            turn_or_scale: vec![[128; 3]; nodes],
+            steps: [0, 24],
+            ..Motion::default()
+        }],
     };
     let danger =
         "Sums of equal weights that are halves but for their rounding: their order, ties to even.";
@@ -162,44 +182,11 @@ fn at_the_limit(
         motions: vec![Motion {
             translation: vec![[0; 3]],
             turn_or_scale: vec![[scale; 3]],
-            steps: [0, 0],
+            ..Motion::default()
         }],
     };
     let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
     scene.draft(name, danger, rule, &["deform.position.range", "deform.round"])
-}
-
-/// Far from the origin and under large shears A·x is 2^35, so that a last bit is 2^−18 of a unit.
-/// The vertices are found by trying: with a reading of chapter 8 that differs in one thing (no tail of
-/// π/2, another order of the products in R, another order of the sum, fused operations) one of them
-/// is rounded to another integer.
-fn last_bits() -> Result<Draft, Box<dyn Error>> {
-    let mesh = cloud(vec![
-        [899_872, -899_831, 900_141],
-        [899_940, -899_784, 900_169],
-        [900_171, -900_040, 900_079],
-        [900_179, -900_155, 899_931],
-    ]);
-    let affine = "rotation_enabled = 1\nscale_enabled = 1\nshear_enabled = 1\n";
-    let text = format!(
-        "{}{}\nunit_type = 3\nnode_count = 1\nnode_coding = 1\naffine_mode = 2\n\
-         node_delta_rice = 18\nnode_delta = 900003 -899983 900033\n\nunit_type = 4\n\
-         digest_present = 0\nname_present = 0\nreference_mode = 0\nentropy_mode = 0\n\
-         residual_present = 0\ntranslation_mode = 0\n{affine}translation_step = 0\n\
-         translation_table = 20\nrotation_step = 8\nscale_step = 24\nshear_step = 24\n\
-         parameter_table = 40\ntranslation = 5 -7 11\nrotation = 9001 -5003 12007\n\
-         scale = 1699 1777 1788\nshear = 2011 -1999 2003\n{INDEX}",
-        whole_steps(1).set("fraction_bits", 0, "8").build(),
-        intra_unit(&payload_of(&mesh)?),
-    );
-    Ok(Draft {
-        name: "last_bits".into(),
-        text,
-        danger: "Roundings that hang on a last bit: the tail of π/2, the order of products and sums, fusing."
-            .into(),
-        rule: None,
-        covers: &["conventions.binary64", "deform.sincos", "deform.rotation", "deform.node", "deform.blend"],
-    })
 }
 
 /// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
@@ -227,6 +214,7 @@ fn few_nodes(name: &str, scheme: u8) -> Result<Draft, Box<dyn Error>> {
         translation: nodes.iter().map(|_| noise.point(900)).collect(),
         turn_or_scale: nodes.iter().map(|_| noise.point(20)).collect(),
         steps: [step, 20 + step],
+        ..Motion::default()
     };
     let motions = [1, 2, 3, 5, 6, 7, 9].map(|step| motion(step, &mut noise)).into();
     let header = Text::new(HEADER)

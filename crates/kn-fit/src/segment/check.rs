@@ -115,15 +115,46 @@ fn other_side(part: u8) -> u8 {
     }
 }
 
-/// Whether both feet point to the back, as left and right have it.
+/// Whether both feet point clearly to the back, as left and right have it.
 fn swapped(surface: &Surface, labels: &[u8]) -> bool {
+    /// Sum over both feet: standing on them it is about 0.5; hanging down they say little.
+    const BACKWARDS: f64 = -0.15;
     let centres = centres(surface, labels);
-    let way = |from: usize, to: usize| Some(centres[to]? - centres[from]?);
-    let pairs = [(4, 1), (11, 8), (12, 9)];
-    let left = pairs.iter().filter_map(|&(r, l)| way(r, l)).fold(V3::zeros(), |s, w| s + w);
-    let front = left.cross(&V3::y());
-    let backwards = |leg: usize, foot: usize| way(leg, foot).map(|w| w.dot(&front) < 0.0);
-    backwards(9, 10) == Some(true) && backwards(12, 13) == Some(true)
+    let way = |from: usize, to: usize| (centres[to]? - centres[from]?).try_normalize(1e-12);
+    // Shoulders and hips; what hangs from them also moves forwards and backwards.
+    let left = [(4, 1), (11, 8)].iter().filter_map(|&(r, l)| way(r, l));
+    let Some(front) = left.fold(V3::zeros(), |s, w| s + w).cross(&V3::y()).try_normalize(0.1)
+    else {
+        return false;
+    };
+    let feet = [8, 11].map(|thigh| toes(surface, labels, thigh, &front));
+    let [Some(one), Some(other)] = feet else { return false };
+    one + other < BACKWARDS
+}
+
+/// How much farther a foot reaches towards `front` than away from it, in lengths of its leg.
+fn toes(surface: &Surface, labels: &[u8], thigh: u8, front: &V3) -> Option<f64> {
+    let [leg, foot] = [thigh + 1, thigh + 2];
+    let knee = border(surface, labels, thigh, leg)?;
+    let ankle = border(surface, labels, leg, foot)?;
+    let down = (ankle - knee).try_normalize(1e-12)?;
+    let ahead = (front - down * front.dot(&down)).try_normalize(0.3)?;
+    let own = (0..labels.len()).filter(|&v| labels[v] == foot);
+    let reach = own.map(|v| (surface.points[v] - ankle).dot(&ahead));
+    let (back, front) = reach.fold((0.0, 0.0), |(b, f), r| (f64::min(b, r), f64::max(f, r)));
+    Some((front + back) / (ankle - knee).norm())
+}
+
+/// The middle of the border between two parts: the mean of the first one's vertices at it.
+fn border(surface: &Surface, labels: &[u8], a: u8, b: u8) -> Option<V3> {
+    let (mut sum, mut count) = (V3::zeros(), 0.0);
+    for v in (0..labels.len()).filter(|&v| labels[v] == a) {
+        if surface.around(v).iter().any(|&u| labels[u as usize] == b) {
+            sum += surface.points[v];
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| sum / count)
 }
 
 /// Centre of gravity of every label.

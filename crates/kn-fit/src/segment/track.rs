@@ -31,8 +31,27 @@ pub struct Segmentation {
     pub labels: Vec<u8>,
     /// How far each label can be trusted, 0 to 1; 0 where no vertex has it.
     pub confidence: [f32; LABELS],
+    /// How far the whole can be trusted: the mean confidence of the 14 body parts.
+    pub trust: f32,
     /// What was doubtful.
     pub warnings: Vec<SegmentWarning>,
+}
+
+impl Segmentation {
+    /// What is said of a mesh that is no person: all of it is [`OTHER`].
+    pub fn nobody(vertices: usize) -> Self {
+        Self {
+            labels: vec![OTHER; vertices],
+            confidence: [0.0; LABELS],
+            trust: 0.0,
+            warnings: vec![SegmentWarning::NoPerson],
+        }
+    }
+
+    /// Whether the frame looks like a person; where it does not, all of it is [`OTHER`].
+    pub fn found_a_person(&self) -> bool {
+        !self.warnings.contains(&SegmentWarning::NoPerson)
+    }
 }
 
 /// What was doubtful in a frame.
@@ -47,6 +66,8 @@ pub enum SegmentWarning {
     SidesUnclear,
     /// The frame does not continue the last one; the body was searched anew.
     Lost,
+    /// The body explains too little of the surface.
+    NoPerson,
 }
 
 /// Segments the frames of one sequence in their order.
@@ -89,6 +110,9 @@ impl Past {
 /// Samples of a frame, and of the search without a past.
 const SAMPLES: usize = 1000;
 const COARSE_SAMPLES: usize = 400;
+/// Mean confidence of a person's parts at least: people have 0.75 to 0.9, spheres, tori and tables
+/// below 0.5.
+const TRUSTED: f32 = 0.55;
 /// Surface of the template in its clothes, square metres.
 const TEMPLATE_AREA: f64 = 2.1;
 
@@ -147,7 +171,11 @@ impl Segmenter {
 
         let mut confidence = trust;
         join(&mut labels, &mut confidence, &mut warnings);
-        Ok(Segmentation { labels, confidence, warnings })
+        let whole = confidence[..usize::from(OTHER)].iter().sum::<f32>() / f32::from(OTHER);
+        if whole < TRUSTED {
+            return Ok(Segmentation { trust: whole, ..Segmentation::nobody(labels.len()) });
+        }
+        Ok(Segmentation { labels, confidence, trust: whole, warnings })
     }
 }
 

@@ -50,7 +50,7 @@ pub(super) fn draw(
             ("decoded".into(), result.collect()),
             ("distance of the decoded vertices from the scan".into(), coloured.collect()),
         ],
-        scale: Some(heatmap::scale_labels(end, "mm")),
+        legend: Some(heatmap::scale_labels(end, "mm")),
     };
     Ok(sheet.draw())
 }

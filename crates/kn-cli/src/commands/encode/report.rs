@@ -1,9 +1,12 @@
 //! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
 
+use super::label_checks::LabelChecks;
 use crate::arguments::Global;
+use crate::parts;
 use crate::stream;
 use crate::table::grouped;
-use kn_codec::{FrameReport, Summary, TranslationMode};
+use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
+use kn_fit::segment::{LabelWarning, Segmentation};
 use kn_mesh::CleanReport;
 use kn_mesh::io::ReadNotes;
 use serde::Serialize;
@@ -17,6 +20,7 @@ pub(super) struct Report {
     frames: Vec<FrameEntry>,
     cleaned: CleanReport,
     notes: ReadNotes,
+    labels: LabelChecks,
 }
 
 /// One frame as the JSON has it.
@@ -37,12 +41,34 @@ struct CodedEntry {
     vertices: u32,
     faces: u32,
     nodes: u32,
+    affine_nodes: u32,
     combination: Option<&'static str>,
     translation: Option<&'static str>,
+    steps: Option<Value>,
+    cost: Option<Value>,
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
+    parts: Option<PartsEntry>,
     reason: Option<String>,
+}
+
+/// What the segmentation found.
+#[derive(Debug, Serialize)]
+struct PartsEntry {
+    person: bool,
+    confidence: Value,
+    doubts: Vec<String>,
+}
+
+impl From<Segmentation> for PartsEntry {
+    fn from(found: Segmentation) -> Self {
+        Self {
+            person: found.found_a_person(),
+            confidence: parts::confidence_json(&found.confidence),
+            doubts: found.warnings.into_iter().map(parts::doubt).collect(),
+        }
+    }
 }
 
 impl Report {
@@ -53,6 +79,12 @@ impl Report {
         let ReadNotes { polygons, ignored: not_carried, .. } = notes;
         let cleaned = cleaned_json(cleaned);
         self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
+    }
+
+    /// The labels that came with the frame that was read last have been checked.
+    pub(super) fn checked(&mut self, warnings: Vec<LabelWarning>) {
+        let Some(last) = self.frames.last() else { return };
+        self.labels.add(&last.file, self.frames.len() - 1, warnings);
     }
 
     /// A frame has been coded; frames are read before they are coded.
@@ -66,11 +98,15 @@ impl Report {
             vertices: frame.vertices,
             faces: frame.faces,
             nodes: frame.nodes,
+            affine_nodes: frame.affine_nodes,
             combination: frame.combination.map(|combination| combination.name()),
             translation: frame.translation.map(TranslationMode::name),
+            steps: frame.steps.map(steps_json),
+            cost: frame.cost.map(cost_json),
             input_faces: frame.input_faces,
             decimation_error: frame.decimation_error,
             fit_rms: frame.fit_rms,
+            parts: frame.parts.map(PartsEntry::from),
             reason: frame.reason,
         });
     }
@@ -89,7 +125,9 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
+        self.labels.tell(global);
         self.tell_decimation(global);
+        self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
         global.note(format_args!(
@@ -100,6 +138,23 @@ impl Report {
             mean(summary.intra_bytes, summary.intra_frames),
             mean(summary.predicted_bytes, predicted),
         ));
+    }
+
+    /// In how many frames no person was found, and where first.
+    fn tell_parts(&self, global: &Global) {
+        let untrusted = |frame: &&FrameEntry| {
+            let parts = frame.coded.as_ref().and_then(|coded| coded.parts.as_ref());
+            parts.is_some_and(|parts| !parts.person)
+        };
+        let mut without = self.frames.iter().filter(untrusted);
+        if let Some(first) = without.next() {
+            global.note(format_args!(
+                "no body parts found in {} of {} frames, first in {}: they are coded without",
+                1 + without.count(),
+                self.frames.len(),
+                first.file.display(),
+            ));
+        }
     }
 
     /// What decimation did to the I-frames, where it did anything.
@@ -136,6 +191,16 @@ impl Report {
             "frames": self.frames,
         })
     }
+}
+
+fn steps_json(steps: StepReport) -> Value {
+    let StepReport { translation, rotation, scale, shear } = steps;
+    json!({ "translation": translation, "rotation": rotation, "scale": scale, "shear": shear })
+}
+
+fn cost_json(cost: CostReport) -> Value {
+    let CostReport { distortion, bytes, total } = cost;
+    json!({ "distortion": distortion, "bytes": bytes, "total": total })
 }
 
 fn cleaned_json(report: &CleanReport) -> Value {

@@ -10,7 +10,7 @@ use crate::output::write_file;
 use crate::settings::{Settings, flags_of};
 use crate::stream::{self, kind_letter};
 use anyhow::{Context, Result, ensure};
-use kn_codec::{Encoder, EncoderConfig};
+use kn_codec::{Encoder, EncoderConfig, LabelChoice};
 use kn_mesh::Mesh;
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -23,6 +23,7 @@ pub(super) struct Cell<'p> {
     pub(super) sequence: &'p Sequence,
     pub(super) codec: &'p CodecEntry,
     pub(super) rate: &'p RateEntry,
+    labels: CodecLabels,
     config: EncoderConfig,
     measures: Measures,
     pub(super) key: String,
@@ -45,7 +46,17 @@ impl<'p> Cell<'p> {
         };
         let settings = Settings::from_table(&merged(codec, entry, rate))?;
         settings.apply(&mut config, Some(sequence.bounds));
-        let mut cell = Self { sequence, codec, rate, config, measures, key: String::new() };
+        let labels = match codec.labels {
+            CodecLabels::Sequence if entry.auto_labels() => CodecLabels::Auto,
+            labels => labels,
+        };
+        config.labels = match labels {
+            CodecLabels::Sequence => config.labels,
+            CodecLabels::Auto => LabelChoice::Auto,
+            CodecLabels::None => LabelChoice::Given,
+        };
+        let key = String::new();
+        let mut cell = Self { sequence, codec, rate, labels, config, measures, key };
         cell.key = cell.digest();
         Ok(cell)
     }
@@ -53,7 +64,7 @@ impl<'p> Cell<'p> {
     /// The key of the cache: whatever the result depends on but the program itself.
     fn digest(&self) -> String {
         let mut digest = Sha256::new();
-        let (version, labels) = (env!("CARGO_PKG_VERSION"), self.codec.labels);
+        let (version, labels) = (env!("CARGO_PKG_VERSION"), self.labels);
         let (config, measures, frames) = (&self.config, self.measures, &self.sequence.info.digest);
         // Debug prints every field, those of later versions too.
         digest.update(format!("{FORMAT} {version} {labels:?} {config:?} {measures:?} {frames}"));
@@ -63,7 +74,7 @@ impl<'p> Cell<'p> {
     /// A command that writes the same stream.
     pub(super) fn command(&self, entry: &SequenceEntry) -> Result<String> {
         let mut words = vec!["kn".to_owned(), "encode".into()];
-        words.extend(self.sequence.arguments(self.codec.labels));
+        words.extend(self.sequence.arguments(self.labels));
         words.extend(["-o".into(), format!("{}.knm", &self.key[..16])]);
         words.extend(["--preset".into(), self.codec.preset()?.name().into()]);
         words.extend(flags_of(&merged(self.codec, entry, self.rate)));
@@ -101,7 +112,7 @@ impl<'p> Cell<'p> {
             let named = |error| self.sequence.name_file(error);
             let mut encoder = Encoder::new(out, self.config.clone())?;
             for index in 0..self.sequence.len() {
-                let mesh = self.sequence.frame(index, self.codec.labels)?;
+                let mesh = self.sequence.frame(index, self.labels)?;
                 timed(&mut seconds, || encoder.push(&mesh)).map_err(named)?;
                 encoder.drain_reports();
             }

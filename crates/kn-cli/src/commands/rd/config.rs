@@ -47,6 +47,7 @@ pub(super) struct SequenceEntry {
     pub(super) name: String,
     pub(super) input: Option<String>,
     pub(super) performer: Option<PerformerEntry>,
+    /// A glob of label files, or `auto`.
     pub(super) labels: Option<String>,
     pub(super) frames: Option<String>,
     pub(super) fps: Option<toml::Value>,
@@ -85,9 +86,11 @@ pub(super) struct CodecEntry {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum CodecLabels {
-    /// Those of the sequence, if it has any.
+    /// Those of the sequence, if it has any; else what the preset does without.
     #[default]
     Sequence,
+    /// Those that the encoder finds, whatever labels the sequence has.
+    Auto,
     None,
 }
 
@@ -225,13 +228,23 @@ impl SequenceEntry {
             "a sequence has either an input or a performer"
         );
         ensure!(
-            self.performer.is_none() || self.labels.is_none(),
-            "a performer has labels of its own"
+            self.performer.is_none() || self.label_files().is_none(),
+            "a performer has labels of its own, or those of `labels = \"auto\"`"
         );
         self.frame_range()?;
         self.frame_rate()?;
         ensure!(self.up.is_none_or(|up| "xyz".contains(up)), "the up axis is x, y or z");
         Ok(())
+    }
+
+    /// Whether its own labels are not used.
+    pub(super) fn auto_labels(&self) -> bool {
+        self.labels.as_deref() == Some("auto")
+    }
+
+    /// The label files that are named.
+    pub(super) fn label_files(&self) -> Option<&String> {
+        self.labels.as_ref().filter(|_| !self.auto_labels())
     }
 
     /// The frames to use.

@@ -55,7 +55,7 @@ impl Sequence {
             (None, Some(input)) => config.path(input).with_context(named)?,
             (None, None) => return Err(anyhow!("no input")).with_context(named),
         };
-        let labels = entry.labels.as_ref().map(|labels| config.path(labels));
+        let labels = entry.label_files().map(|labels| config.path(labels));
         let labels = labels.transpose().with_context(named)?;
         Self::survey(entry, &source, labels, global).with_context(named)
     }
@@ -127,7 +127,7 @@ impl Sequence {
     pub(super) fn frame(&self, index: usize, labels: CodecLabels) -> Result<Mesh> {
         let inputs = match labels {
             CodecLabels::Sequence => &self.inputs,
-            CodecLabels::None => &self.bare,
+            CodecLabels::Auto | CodecLabels::None => &self.bare,
         };
         let frame = inputs.read(self.frames.start + index)?;
         let named = || format!("{}: frame {}", frame.path.display(), frame.index);
@@ -159,6 +159,7 @@ impl Sequence {
         let mut flag = |name: &str, value: String| arguments.extend([name.into(), value]);
         match (&self.labels, labels) {
             (_, CodecLabels::None) => flag("--labels", "none".into()),
+            (_, CodecLabels::Auto) => flag("--labels", "auto".into()),
             (Some(labels), _) => flag("--labels", labels.display().to_string()),
             (None, _) => {}
         }

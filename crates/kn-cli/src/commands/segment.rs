@@ -1,0 +1,233 @@
+//! `kn segment`: scans in, body parts of their vertices out.
+
+mod preview;
+
+use crate::arguments::Global;
+use crate::choices::UpAxis;
+use crate::output::{OutputFolder, write_file};
+use crate::table::table;
+use crate::{Outcome, parts, progress};
+use anyhow::{Context, Result, anyhow, ensure};
+use kn_fit::segment::{SegmentOptions, Segmenter, check_labels};
+use kn_mesh::io::{InputFrame, Inputs, LabelSource, ReadOptions};
+use kn_mesh::{Cleaned, Mesh, clean};
+use preview::Preview;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Find the body parts of scans: a .labels file for each, or a check of such files
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+A file NAME.labels holds one integer a line for each vertex of the scan, in the file's order: 0 head,
+1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso, 8 to 10 left thigh, leg
+and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is the person's left.
+
+Scans are looked at in their order: parts are followed from frame to frame, and what one frame does
+not show (which side is left, a hand on the hip) the others tell. Hands and lower arms that cannot
+be told from the body join the torso. Where a frame looks like no person, all of it is 14.
+
+kn encode does the same by itself; files are of use to correct labels by hand, or to check those of
+another tool (--check): a part in two pieces that are far apart, left and right swapped.
+
+Exit codes: 0 done; 1 a frame without a person, or a doubt that --check has; 2 an error.
+
+Examples:
+  kn segment 'scan/*.obj' -o labels/
+  kn segment scan/ -o labels/ --preview parts.png --json > confidence.json
+  kn segment scan/ --check 'scan/*.labels' --preview parts.png
+  kn encode scan/ -o dance.knm --labels 'labels/*.labels'")]
+pub(crate) struct SegmentArguments {
+    /// A folder, a glob in quotes, a printf pattern, files, or one animated .glb (OBJ, PLY, glTF)
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// The folder for the .labels files
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "check")]
+    output: Option<PathBuf>,
+    /// Look at these labels instead of finding new ones: a glob of .labels files
+    #[arg(long, value_name = "GLOB", conflicts_with = "output")]
+    check: Option<PathBuf>,
+    /// Draw some of the frames, coloured by part, into this PNG file
+    #[arg(long, value_name = "FILE")]
+    preview: Option<PathBuf>,
+    /// The axis that points up
+    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    up: UpAxis,
+    /// Print JSON: every frame's confidence by part, and what was doubtful
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is known of a frame.
+#[derive(Debug, Serialize)]
+struct Row {
+    frame: usize,
+    name: String,
+    vertices: usize,
+    /// Mean confidence of the body parts; none where labels are checked.
+    trust: Option<f32>,
+    confidence: Value,
+    doubts: Vec<String>,
+    #[serde(skip)]
+    good: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outcome> {
+    let inputs = arguments.find_inputs()?;
+    let mut preview = arguments.preview.as_ref().map(|_| Preview::new(inputs.len()));
+    let mut output = arguments.output.as_deref().map(LabelFiles::create).transpose()?;
+    let options = SegmentOptions { up_axis: arguments.up as usize };
+    let mut segmenter = Segmenter::new(options);
+    let bar = progress::bar(global, "segmenting", Some(inputs.len() as u64));
+    let mut rows = Vec::new();
+    for frame in inputs.frames() {
+        let frame = frame?;
+        let named = || format!("{}: frame {}", frame.path.display(), frame.index);
+        let cleaned = clean(&frame.mesh).map_err(|fault| anyhow!("{}: {fault}", named()))?;
+        let (labels, row) = match arguments.check {
+            None => found(&mut segmenter, &frame, &cleaned).with_context(named)?,
+            Some(_) => checked(&frame, &cleaned, options).with_context(named)?,
+        };
+        if let Some(output) = &mut output {
+            let of_file = cleaned.vertex_map.iter().map(|&vertex| labels[vertex as usize]);
+            output.push(&frame, of_file.collect())?;
+        }
+        if let Some(preview) = &mut preview {
+            preview.push(frame.index, &row.name, Mesh { labels, ..cleaned.mesh });
+        }
+        rows.push(row);
+        bar.step();
+    }
+    drop(bar);
+    if let (Some(preview), Some(path)) = (preview, &arguments.preview) {
+        let picture = preview.draw(arguments.up as u8)?;
+        write_file(path, |out| Ok(picture.write_png(out)?))?;
+    }
+    output.map(LabelFiles::publish).transpose()?;
+    print(&rows, arguments.json)?;
+    Ok(if rows.iter().all(|row| row.good) { Outcome::Good } else { Outcome::Bad })
+}
+
+impl SegmentArguments {
+    fn find_inputs(&self) -> Result<Inputs> {
+        let options = ReadOptions { labels: LabelSource::None, ..ReadOptions::default() };
+        let inputs = Inputs::find(&self.inputs, options)?;
+        Ok(match &self.check {
+            Some(labels) => inputs.with_labels(labels)?,
+            None => inputs,
+        })
+    }
+}
+
+/// Labels that are found now, one for each vertex of the cleaned mesh.
+fn found(
+    segmenter: &mut Segmenter,
+    frame: &InputFrame,
+    cleaned: &Cleaned,
+) -> Result<(Vec<u8>, Row)> {
+    let found = segmenter.segment(&cleaned.mesh.positions, &cleaned.mesh.faces)?;
+    let row = Row {
+        trust: Some((found.trust * 1e3).round() / 1e3),
+        confidence: parts::confidence_json(&found.confidence),
+        doubts: found.warnings.iter().copied().map(parts::doubt).collect(),
+        good: found.found_a_person(),
+        ..Row::of(frame)
+    };
+    Ok((found.labels, row))
+}
+
+/// Labels that came with the scan, and what is odd about them.
+fn checked(
+    frame: &InputFrame,
+    cleaned: &Cleaned,
+    options: SegmentOptions,
+) -> Result<(Vec<u8>, Row)> {
+    let Mesh { positions, faces, labels, .. } = &cleaned.mesh;
+    let warnings = check_labels(positions, faces, labels, options.up_axis)?;
+    let row = Row {
+        good: warnings.is_empty(),
+        doubts: warnings.into_iter().map(parts::oddity).collect(),
+        ..Row::of(frame)
+    };
+    Ok((labels.clone(), row))
+}
+
+impl Row {
+    /// A frame of which nothing is known yet.
+    fn of(frame: &InputFrame) -> Self {
+        Self {
+            frame: frame.index,
+            name: frame.name.clone(),
+            vertices: frame.mesh.positions.len(),
+            trust: None,
+            confidence: Value::Null,
+            doubts: Vec::new(),
+            good: true,
+        }
+    }
+
+    /// The part that is trusted least.
+    fn weakest(&self) -> Option<(&str, f64)> {
+        let parts = self.confidence.as_object()?.iter();
+        let trusts = parts.filter_map(|(name, trust)| Some((name.as_str(), trust.as_f64()?)));
+        trusts.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// Label files that appear together at the end.
+struct LabelFiles {
+    folder: OutputFolder,
+    names: HashSet<String>,
+}
+
+impl LabelFiles {
+    fn create(folder: &Path) -> Result<Self> {
+        Ok(Self { folder: OutputFolder::create(folder)?, names: HashSet::new() })
+    }
+
+    /// `labels` is in the order of the file's vertices.
+    fn push(&mut self, frame: &InputFrame, labels: Vec<u8>) -> Result<()> {
+        let name = format!("{}.labels", frame.name);
+        ensure!(
+            self.names.insert(name.clone()),
+            "{}: frame {}: another frame has the same name, {name}",
+            frame.path.display(),
+            frame.index
+        );
+        let lines: String = labels.iter().map(|label| format!("{label}\n")).collect();
+        let target = self.folder.target(&name);
+        fs::write(self.folder.place(&name), lines).with_context(|| target.display().to_string())
+    }
+
+    fn publish(self) -> Result<usize> {
+        self.folder.publish()
+    }
+}
+
+fn print(rows: &[Row], as_json: bool) -> Result<()> {
+    let mut out = io::stdout().lock();
+    if as_json {
+        serde_json::to_writer_pretty(&mut out, &json!({ "frames": rows }))?;
+        return Ok(writeln!(out)?);
+    }
+    let mut table = table(&["frame", "vertices", "trust", "weakest", "part and doubts"]);
+    for row in rows {
+        let weakest = row.weakest();
+        let number =
+            |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.2}"));
+        let part = weakest.map(|(name, _)| name.to_owned());
+        let words: Vec<String> = part.into_iter().chain(row.doubts.iter().cloned()).collect();
+        table.add_row([
+            row.name.clone(),
+            row.vertices.to_string(),
+            number(row.trust.map(f64::from)),
+            number(weakest.map(|(_, trust)| trust)),
+            words.join("; "),
+        ]);
+    }
+    Ok(writeln!(out, "{table}")?)
+}

@@ -1,0 +1,143 @@
+//! What `kn encode` does with I-frames when told: lossless, decimated, with vertex maps.
+
+mod common;
+
+use common::{FRAMES, Scans, fails, kn, names_in, succeeds};
+use kn_mesh::Mesh;
+use kn_mesh::io::{read_mesh, write_mesh};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+fn mesh(path: &Path) -> Mesh {
+    read_mesh(path, &Default::default()).expect("a mesh").mesh
+}
+
+/// The vertex of the decoded mesh for each vertex of the file, `None` where it is gone.
+fn vertex_map(path: &Path) -> Vec<Option<usize>> {
+    let text = fs::read_to_string(path).expect("a vertex map");
+    let target = |line: &str| (line != "-").then(|| line.parse().expect("an index"));
+    text.lines().map(target).collect()
+}
+
+/// Faces of every frame, as `kn info` counts them.
+fn face_counts(scans: &Scans) -> Vec<u64> {
+    let info: Value =
+        serde_json::from_str(&succeeds(["info", &scans.text("a.knm"), "--json"])).expect("JSON");
+    let frames = info["frames"].as_array().expect("an array");
+    frames.iter().map(|frame| frame["faces"].as_u64().expect("a number")).collect()
+}
+
+fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f64 {
+    (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum()
+}
+
+#[test]
+fn lossless_gives_every_coordinate_back() {
+    let scans = Scans::new();
+    // Five decimals, as scanners write them.
+    for index in 0..FRAMES {
+        let mut scan = mesh(&scans.file(index));
+        for x in scan.positions.as_flattened_mut() {
+            *x = (*x * 1e5).round() / 1e5;
+        }
+        write_mesh(&scans.file(index), &scan).expect("written");
+    }
+    let maps = scans.text("maps");
+    let (input, output) = (scans.text("scan/*.obj"), scans.text("a.knm"));
+    succeeds(["encode", &input, "-o", &output, "--lossless", "--vertex-maps", &maps]);
+    succeeds(["decode", &scans.text("a.knm"), "-o", &scans.text("out"), "--format", "ply"]);
+    for index in 0..FRAMES {
+        let name = format!("f_{:02}", index + 8);
+        let (scan, decoded) =
+            (mesh(&scans.file(index)), mesh(&scans.path(&format!("out/{name}.ply"))));
+        let map = vertex_map(&scans.path(&format!("maps/{name}.map")));
+        assert_eq!(map.len(), scan.positions.len());
+        for (position, target) in scan.positions.iter().zip(map) {
+            let target = target.expect("nothing is decimated");
+            let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
+            assert_eq!(bits(decoded.positions[target]), bits(*position), "{name}");
+        }
+        assert_eq!(decoded.faces.len(), scan.faces.len());
+    }
+}
+
+#[test]
+fn lossless_refuses_what_lies_on_no_grid() {
+    let scans = Scans::new();
+    let mut scan = mesh(&scans.file(2));
+    scan.positions[5][1] = std::f32::consts::PI * 1e-7;
+    write_mesh(&scans.file(2), &scan).expect("written");
+    let message =
+        fails(["encode", &scans.text("scan/*.obj"), "-o", &scans.text("a.knm"), "--lossless"]);
+    assert!(message.contains("lossless"), "{message}");
+    scans.assert_untouched();
+}
+
+#[test]
+fn vertex_maps_lead_to_the_rounded_vertex() {
+    let scans = Scans::new();
+    let (step, maps) = (0.002, scans.text("maps"));
+    succeeds(scans.encode("scan/*.obj", &["--step", "0.002", "--vertex-maps", &maps]));
+    succeeds(["decode", &scans.text("a.knm"), "-o", &scans.text("out"), "--format", "ply"]);
+    // One for each I-frame: frames 0 and 3 of groups of three.
+    assert_eq!(names_in(&scans.path("maps")), ["f_08.map", "f_11.map"]);
+    for name in ["f_08", "f_11"] {
+        let scan = mesh(&scans.path(&format!("scan/{name}.obj")));
+        let decoded = mesh(&scans.path(&format!("out/{name}.ply")));
+        for (position, target) in
+            scan.positions.iter().zip(vertex_map(&scans.path(&format!("maps/{name}.map"))))
+        {
+            let vertex = decoded.positions[target.expect("nothing is decimated")];
+            // Rounding moves a coordinate by half a step, smoothing by as much again at most.
+            let near = (0..3).all(|i| f64::from(position[i] - vertex[i]).abs() <= 1.001 * step);
+            assert!(near, "{name}: {position:?} to {vertex:?}");
+        }
+    }
+}
+
+#[test]
+fn iframes_are_decimated_to_a_number_or_a_share_of_faces() {
+    let scans = Scans::new();
+    let whole = mesh(&scans.file(0)).faces.len() as u64;
+    for (faces, most) in [("600", 600), ("25%", whole / 4)] {
+        let maps = scans.text("maps");
+        succeeds(scans.encode("scan", &["--iframe-faces", faces, "--vertex-maps", &maps]));
+        let counts = face_counts(&scans);
+        assert_eq!(counts.len(), FRAMES);
+        assert!(counts[0] <= most && counts[0] > most / 2, "{faces}: {counts:?}");
+        assert_eq!(counts[1], counts[0], "P-frames deform the coarser mesh");
+        let map = vertex_map(&scans.path("maps/f_08.map"));
+        let kept = map.iter().flatten().count();
+        assert!(kept > 0 && kept < map.len(), "{kept} of {} vertices", map.len());
+    }
+    for faces in ["0", "0%", "101%", "-3", "many"] {
+        let refused = kn(scans.encode("scan", &[&format!("--iframe-faces={faces}")]));
+        assert_eq!(refused.status.code(), Some(2), "{faces}");
+    }
+}
+
+#[test]
+fn iframes_are_decimated_within_an_error() {
+    let scans = Scans::new();
+    let error = 0.01;
+    succeeds(scans.encode("scan", &["--iframe-error", "0.01"]));
+    let whole = mesh(&scans.file(0)).faces.len() as u64;
+    assert!(face_counts(&scans)[0] < whole * 9 / 10, "{:?}", face_counts(&scans));
+    succeeds(["decode", &scans.text("a.knm"), "-o", &scans.text("out")]);
+    let decoded = mesh(&scans.path("out/f_08.obj"));
+    // A vertex of the scan is no further from the surface; from the vertices, by an edge at most.
+    let longest = decoded
+        .faces
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|edge| edge.map(|v| decoded.positions[v as usize]))
+        .map(|[a, b]| squared_distance(a, b))
+        .fold(0.0, f64::max)
+        .sqrt();
+    for position in mesh(&scans.file(0)).positions {
+        let nearest = decoded.positions.iter().map(|&p| squared_distance(p, position));
+        assert!(nearest.fold(f64::MAX, f64::min).sqrt() <= error + longest);
+    }
+    assert_eq!(kn(scans.encode("scan", &["--iframe-error=-1"])).status.code(), Some(2));
+}

@@ -1,0 +1,30 @@
+//! Body-part labels of frames that have none of their own.
+
+use crate::encode::config::{EncoderConfig, LabelChoice};
+use kn_fit::segment::{SegmentOptions, Segmentation, Segmenter};
+use kn_mesh::Mesh;
+
+/// Labels the frames of a sequence in their order.
+pub(crate) struct Labeller {
+    segmenter: Segmenter,
+}
+
+impl Labeller {
+    /// `None` where nobody asks for labels, or nothing would use them: I-frames alone need none.
+    pub(crate) fn new(config: &EncoderConfig) -> Option<Self> {
+        let wanted = config.labels == LabelChoice::Auto && config.group_length > 1;
+        let options = SegmentOptions { up_axis: config.up_axis.into() };
+        wanted.then(|| Self { segmenter: Segmenter::new(options) })
+    }
+
+    /// Labels the next frame. Only those of I-frames are coded, but every frame is looked at, so
+    /// that parts are followed from one to the next. The labels go to the mesh; the rest of what
+    /// was found is returned.
+    pub(crate) fn label(&mut self, mesh: &mut Mesh) -> Segmentation {
+        let found = self.segmenter.segment(&mesh.positions, &mesh.faces);
+        // What cannot even be looked at (it has no area) is no person.
+        let mut found = found.unwrap_or_else(|_| Segmentation::nobody(mesh.positions.len()));
+        mesh.labels = std::mem::take(&mut found.labels);
+        found
+    }
+}

@@ -1,0 +1,120 @@
+//! What the encoder chooses by J = D + λR.
+
+use kn_codec::{
+    AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, FrameReport, LabelChoice,
+    StepChoice,
+};
+use kn_deform::Combination;
+use kn_mesh::Mesh;
+use kn_mesh::performer::{Performer, PerformerConfig};
+
+/// J of one way may exceed that of a way which looks at more by this factor: choices are made frame
+/// by frame, and each changes what the next frame begins with.
+const SLACK: f64 = 1.01;
+
+fn performer() -> Vec<Mesh> {
+    let config = PerformerConfig { vertices: 2500, ..PerformerConfig::default() };
+    let performer = Performer::new(config).expect("the settings are in range");
+    (0..4).map(|index| performer.frame(3 * index)).collect()
+}
+
+fn config() -> EncoderConfig {
+    EncoderConfig {
+        group_length: 4,
+        nodes: 40,
+        labels: LabelChoice::Given,
+        ..EncoderConfig::default()
+    }
+}
+
+/// The stream, and the reports of its P-frames.
+fn encode(frames: &[Mesh], config: EncoderConfig) -> (Vec<u8>, Vec<FrameReport>) {
+    let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
+    frames.iter().for_each(|frame| encoder.push(frame).expect("a sound frame"));
+    let reports: Vec<_> = encoder.drain_reports().collect();
+    let finished = encoder.finish().expect("a vector takes everything");
+    let reports = reports.into_iter().chain(finished.reports);
+    (finished.writer, reports.filter(|report| report.combination.is_some()).collect())
+}
+
+/// J of all P-frames.
+fn cost(reports: &[FrameReport]) -> f64 {
+    let total = |report: &FrameReport| report.cost.expect("chosen by cost").total;
+    reports.iter().map(total).sum()
+}
+
+#[test]
+fn a_forced_combination_is_obeyed() {
+    let frames = performer();
+    for combination in [Combination::ALL[0], Combination::ALL[5], Combination::RTSH] {
+        let forced = EncoderConfig { combination: combination.into(), ..config() };
+        let (_, reports) = encode(&frames, forced);
+        assert_eq!(reports.len(), 3);
+        assert!(reports.iter().all(|report| report.combination == Some(combination)));
+    }
+}
+
+#[test]
+fn what_looks_at_more_costs_no_more() {
+    let frames = performer();
+    let with = |combination| encode(&frames, EncoderConfig { combination, ..config() }).1;
+    let first = with(CombinationChoice::FirstP);
+    assert!(first.iter().all(|report| report.combination == first[0].combination));
+    let each = cost(&with(CombinationChoice::PerFrame));
+    let ahead = with(CombinationChoice::LookAhead);
+    assert!(ahead.iter().all(|report| report.combination == ahead[0].combination));
+    assert!(each <= SLACK * cost(&first), "{each} against {}", cost(&first));
+    assert!(cost(&ahead) <= SLACK * cost(&first), "{} against {}", cost(&ahead), cost(&first));
+}
+
+#[test]
+fn steps_by_cost_cost_no_more_than_usual_ones() {
+    let frames = performer();
+    let first_frame = |motion_step| {
+        let (_, reports) = encode(&frames, EncoderConfig { motion_step, ..config() });
+        reports[0].cost.expect("chosen by cost").total
+    };
+    assert!(first_frame(StepChoice::Cost) <= first_frame(StepChoice::Fixed(2.0)));
+}
+
+#[test]
+fn bytes_fall_with_lambda() {
+    let frames = performer();
+    let bytes = |lambda| {
+        let (_, reports) = encode(&frames, EncoderConfig { lambda, ..config() });
+        let sum = |sum: u64, report: &FrameReport| {
+            let CostReport { bytes, distortion, total } = report.cost.expect("chosen by cost");
+            assert!((total - distortion - lambda * bytes as f64).abs() < 1e-12);
+            sum + bytes
+        };
+        reports.iter().fold(0, sum)
+    };
+    let [fine, usual, coarse] = [1e-6, 3e-5, 1e-3].map(bytes);
+    assert!(fine > usual && usual > coarse, "{fine} {usual} {coarse}");
+}
+
+#[test]
+fn nodes_are_affine_where_that_pays() {
+    let frames = performer();
+    let affine = |lambda| {
+        let affine = AffineChoice::Cost;
+        let (_, reports) = encode(&frames, EncoderConfig { affine, lambda, ..config() });
+        reports[0].affine_nodes
+    };
+    let (free, dear) = (affine(0.0), affine(1.0));
+    assert!(free > 0 && dear == 0, "{free} and {dear} affine nodes");
+}
+
+#[test]
+fn choices_do_not_depend_on_threads() {
+    let frames = performer();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let combination = CombinationChoice::PerFrame;
+        let chosen = EncoderConfig { affine: AffineChoice::Cost, combination, ..config() };
+        pool.install(|| encode(&frames, chosen))
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one.1, three.1);
+    assert!(one.0 == three.0, "the streams differ");
+}
