@@ -117,7 +117,8 @@ impl MotionEncoder {
             }
             // Rigid nodes have rotation and translation, whatever the combination.
             _ if decoded.nodes().affine_count() == 0 => vec![Combination::RT],
-            _ => Combination::ALL.to_vec(),
+            // One frame does not show what the others lose without rotation in a chain of frames.
+            _ => Combination::ALL.into_iter().filter(|combination| combination.rotation).collect(),
         }
     }
 
