@@ -220,10 +220,10 @@ impl Frame<'_> {
         motion.write(&mut bits, &self.decoded.motion_context());
         let bytes = bits.into_bytes().len() as u64;
         // What the decoder would refuse costs more than anything else.
-        let distortion =
-            self.decoded.preview(motion).map_or(f64::INFINITY, |(positions, faces)| {
-                self.scan.distortion(positions, self.unit, faces)
-            });
+        let look = |positions: &[[i32; 3]], faces: &[[u32; 3]]| {
+            self.scan.distortion(positions, self.unit, faces)
+        };
+        let distortion = self.decoded.preview(motion, look).unwrap_or(f64::INFINITY);
         CostReport::new(distortion, bytes, self.config.lambda)
     }
 
