@@ -173,24 +173,46 @@ impl Measures {
 pub(crate) struct Surface {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    tree: TriangleTree,
-    perceptual: Option<Msdm2Surface>,
+    prepared: Prepared,
+}
+
+/// What measuring needs of a mesh; MSDM2 brings its tree.
+enum Prepared {
+    Distance(TriangleTree),
+    Perceptual(Box<Msdm2Surface>),
 }
 
 impl Surface {
     /// Prepares a mesh.
     pub(crate) fn new(mesh: &Mesh, measures: Measures) -> Result<Self> {
         let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
-        let tree = TriangleTree::new(&positions, &faces)?;
-        let prepare = || Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS);
-        let perceptual = measures.msdm2.then(prepare).transpose()?;
-        Ok(Self { positions, faces, tree, perceptual })
+        let prepared = if measures.msdm2 {
+            let surface = Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?;
+            Prepared::Perceptual(Box::new(surface))
+        } else {
+            Prepared::Distance(TriangleTree::new(&positions, &faces)?)
+        };
+        Ok(Self { positions, faces, prepared })
+    }
+
+    fn tree(&self) -> &TriangleTree {
+        match &self.prepared {
+            Prepared::Distance(tree) => tree,
+            Prepared::Perceptual(surface) => surface.tree(),
+        }
+    }
+
+    fn perceptual(&self) -> Option<&Msdm2Surface> {
+        match &self.prepared {
+            Prepared::Distance(_) => None,
+            Prepared::Perceptual(surface) => Some(surface),
+        }
     }
 
     /// Values of MSDM2 on the vertices of both, `other` against this one: `#V` of this one, `#V` of
     /// `other`. `None` where either is not prepared for MSDM2.
     pub(crate) fn local_msdm2(&self, other: &Self) -> Option<[Vec<f64>; 2]> {
-        let (reference, other) = (self.perceptual.as_ref()?, other.perceptual.as_ref()?);
+        let (reference, other) = (self.perceptual()?, other.perceptual()?);
         let found = msdm2(reference, other, Interpolation::AtVertex);
         Some([found.backward.local, found.forward.local])
     }
@@ -198,7 +220,7 @@ impl Surface {
     /// `#V of other` distances from the vertices of `other` to this surface, world units.
     pub(crate) fn distances_of(&self, other: &Self) -> Vec<f64> {
         let distance = |closest: Closest| closest.distance_squared.sqrt();
-        self.tree.closest_all(&other.positions).into_iter().map(distance).collect()
+        self.tree().closest_all(&other.positions).into_iter().map(distance).collect()
     }
 }
 
@@ -230,7 +252,7 @@ pub(crate) fn measure_part(
 ) -> Result<Distortion> {
     let distances = |from: &Surface, part: &[bool], to: &Surface| -> Result<Distances> {
         let points = sample_surface(&from.positions, &from.faces, Some(part), SAMPLES)?;
-        Ok(distances_to_surface(&points, None, &to.tree)?)
+        Ok(distances_to_surface(&points, None, to.tree())?)
     };
     let distance = P2s {
         from_reference: distances(reference, parts[0], other)?,
@@ -248,8 +270,8 @@ fn measure_distance(
     distortion: &mut Distortion,
 ) -> Result<()> {
     let distance = p2s(
-        (&reference.positions, &reference.faces, &reference.tree),
-        (&other.positions, &other.faces, &other.tree),
+        (&reference.positions, &reference.faces, reference.tree()),
+        (&other.positions, &other.faces, other.tree()),
         SAMPLES,
     )?;
     distortion.set_distance(&distance, scale);
@@ -262,7 +284,7 @@ fn measure_msdm2(
     measures: Measures,
     distortion: &mut Distortion,
 ) {
-    let (Some(reference), Some(other)) = (&reference.perceptual, &other.perceptual) else { return };
+    let (Some(reference), Some(other)) = (reference.perceptual(), other.perceptual()) else { return };
     let plain = msdm2(reference, other, Interpolation::AtVertex);
     distortion.set(Metric::Msdm2, plain.symmetric);
     distortion.set(Metric::Msdm2Ab, plain.forward.score);

@@ -12,15 +12,30 @@ use std::process::{Command, Stdio};
 
 use kn_conform::tables::{Table, cauchy_source, levels_source};
 
-/// Numbers that no result depends on, by what stands in their line: sizes of work units, what buffers
-/// are filled with before they are overwritten, the lane beside x, y and z that is always zero, a
-/// vertex to name where none is outside.
-const NOT_NORMATIVE: [(&str, &str); 5] = [
+/// Numbers that no result depends on, by what stands in their line and which of it, all where that is
+/// empty.
+const NOT_NORMATIVE: [(&str, &str); 16] = [
+    // Sizes of work units, of buffers, and what these are filled with before they are overwritten.
     ("const CHUNK", ""),
     ("const LANES", ""),
     (".resize(", ""),
+    ("[f64; MAX_Q + 1]", "1"),
+    ("[u16; MAX_Q + 1]", "1"),
+    ("let mut squared = [0.0; MAX_Q]", "0.0"),
+    ("let mut ends = vec![0_u32; vertex_count + 1]", "1"),
+    ("let mut sum = [0.0; 3]", "3"),
+    // The lane beside x, y and z, which is always zero.
     ("blended[..3]", "3"),
+    ("a[2][k], 0.0]", "0.0"),
+    ("b(2), 0.0]", "0.0"),
+    // A vertex to name where none is outside.
     ("find(outside).unwrap_or(0)", ""),
+    // A bound that saves time and excludes no node.
+    ("fold(0.0, f64::max)", "0.0"),
+    ("limit = farthest + 1.0", "1.0"),
+    // Twice all weights, which their sum divides by; the first of two equals.
+    ("1.0 / floored(squared)", "1.0"),
+    ("run[0]", "0"),
 ];
 
 /// A number in a source.

@@ -22,8 +22,8 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     let quadrant = (angle * TWO_OVER_PI).round_ties_even();
     let r = (angle - quadrant * HALF_PI_HEAD) - quadrant * HALF_PI_TAIL;
     let z = r * r;
-    let sine = r + r * (z * sine_tail(z));
-    let cosine = 1.0 + z * cosine_tail(z);
+    let sine = r + r * (z * polynomial(&SINE, z));
+    let cosine = 1.0 + z * polynomial(&COSINE, z);
     match quadrant as i32 & 3 {
         0 => (sine, cosine),
         1 => (cosine, -sine),
@@ -32,26 +32,47 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     }
 }
 
-/// (sin r − r)/r³ as a polynomial in z = r².
-fn sine_tail(z: f64) -> f64 {
-    let p = -1.0 / 1_307_674_368_000.0;
-    let p = 1.0 / 6_227_020_800.0 + z * p;
-    let p = -1.0 / 39_916_800.0 + z * p;
-    let p = 1.0 / 362_880.0 + z * p;
-    let p = -1.0 / 5_040.0 + z * p;
-    let p = 1.0 / 120.0 + z * p;
-    -1.0 / 6.0 + z * p
-}
+/// −1/3!, 1/5!, … 1/15! negative: (sin r − r)/r³ by powers of r².
+const SINE: [f64; 7] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+/// −1/2!, 1/4!, … 1/14! negative: (cos r − 1)/r² by powers of r².
+const COSINE: [f64; 7] = [
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+/// 1/0! … 1/12!: e^r by powers of r, for |r| ≤ ln 2 / 2.
+const EXPONENTIAL: [f64; 13] = [
+    1.0,
+    1.0,
+    1.0 / 2.0,
+    1.0 / 6.0,
+    1.0 / 24.0,
+    1.0 / 120.0,
+    1.0 / 720.0,
+    1.0 / 5_040.0,
+    1.0 / 40_320.0,
+    1.0 / 362_880.0,
+    1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+    1.0 / 479_001_600.0,
+];
 
-/// (cos r − 1)/r² as a polynomial in z = r².
-fn cosine_tail(z: f64) -> f64 {
-    let p = -1.0 / 87_178_291_200.0;
-    let p = 1.0 / 479_001_600.0 + z * p;
-    let p = -1.0 / 3_628_800.0 + z * p;
-    let p = 1.0 / 40_320.0 + z * p;
-    let p = -1.0 / 720.0 + z * p;
-    let p = 1.0 / 24.0 + z * p;
-    -1.0 / 2.0 + z * p
+/// Horner's rule, from the last coefficient on.
+fn polynomial<const N: usize>(coefficients: &[f64; N], z: f64) -> f64 {
+    let higher_first = coefficients.iter().rev().copied();
+    higher_first.reduce(|p, coefficient| coefficient + z * p).unwrap_or_default()
 }
 
 /// e^(−x) for x ≥ 0, and 0 where x > 700: spec rule `deform.exp`.
@@ -61,24 +82,7 @@ pub fn exp_neg(x: f64) -> f64 {
     }
     let halvings = (x * LOG2_E).round_ties_even();
     let r = -((x - halvings * LN_2_HEAD) - halvings * LN_2_TAIL);
-    exp_polynomial(r) * f64::from_bits(((1023 - halvings as i64) as u64) << 52)
-}
-
-/// e^r for |r| ≤ ln 2 / 2.
-fn exp_polynomial(r: f64) -> f64 {
-    let p = 1.0 / 479_001_600.0;
-    let p = 1.0 / 39_916_800.0 + r * p;
-    let p = 1.0 / 3_628_800.0 + r * p;
-    let p = 1.0 / 362_880.0 + r * p;
-    let p = 1.0 / 40_320.0 + r * p;
-    let p = 1.0 / 5_040.0 + r * p;
-    let p = 1.0 / 720.0 + r * p;
-    let p = 1.0 / 120.0 + r * p;
-    let p = 1.0 / 24.0 + r * p;
-    let p = 1.0 / 6.0 + r * p;
-    let p = 1.0 / 2.0 + r * p;
-    let p = 1.0 + r * p;
-    1.0 + r * p
+    polynomial(&EXPONENTIAL, r) * f64::from_bits(((1023 - halvings as i64) as u64) << 52)
 }
 
 #[cfg(test)]
@@ -100,6 +104,16 @@ mod tests {
             0x3DEA_39EF_3579_3C76,
         ];
         assert_eq!(constants, printed);
+    }
+
+    /// A last digit of 1/15! is far below a last bit of any sine.
+    #[test]
+    fn coefficients_are_inverse_factorials() {
+        let inverse = |n: usize| 1.0 / (1..=n).map(|factor| factor as f64).product::<f64>();
+        let signed = |k: usize, n: usize| if k % 2 == 0 { -inverse(n) } else { inverse(n) };
+        assert_eq!(SINE, std::array::from_fn(|k| signed(k, 2 * k + 3)));
+        assert_eq!(COSINE, std::array::from_fn(|k| signed(k, 2 * k + 2)));
+        assert_eq!(EXPONENTIAL, std::array::from_fn(inverse));
     }
 
     #[test]

@@ -283,6 +283,11 @@ mod tests {
         mode: InfluenceMode::Strict,
     };
 
+    #[test]
+    fn nothing_bound_is_of_no_vertices() {
+        assert_eq!(Influence::default().vertex_count(), 0);
+    }
+
     fn bind_one(nodes: &[[i32; 3]], regions: &[u8], options: &BindOptions) -> Influence {
         let mut influence = Influence::default();
         bind(&[[0, 0, 0]], &[1], nodes, regions, options, &mut influence).unwrap();

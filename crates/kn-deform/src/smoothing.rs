@@ -106,8 +106,10 @@ impl Smoother {
         for &vertex in faces.iter().flatten() {
             ends[vertex as usize + 1] += 2;
         }
-        for vertex in 0..vertex_count {
-            ends[vertex + 1] += ends[vertex];
+        let mut end = 0;
+        for own in &mut ends {
+            end += *own;
+            *own = end;
         }
         let mut around = vec![0_u32; 6 * faces.len()];
         let mut next = ends.clone();

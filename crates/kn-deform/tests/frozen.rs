@@ -2,8 +2,8 @@
 //! by the literal decoder of kn-conform; this notices a change within seconds.
 
 use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind,
-    exp_neg, sin_cos,
+    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
+    WeightScheme, bind, exp_neg, sin_cos,
 };
 
 /// FNV-1a over 64-bit words.
@@ -118,6 +118,31 @@ fn influence_and_deformation() {
         deformed.as_flattened().iter().for_each(|&x| digest.word(x as u64));
     }
     assert_eq!(digest.0, 0xff31_7578_123a_1378, "{:#x}", digest.0);
+}
+
+/// A sheet of triangles without a corner and with a fin, bent and rough; all strengths.
+#[test]
+fn smoothing() {
+    const N: u32 = 12;
+    let mut numbers = Numbers(3);
+    let vertex = |i: u32| {
+        let [x, y] = [i % N, i / N].map(|c| 512 * c as i32);
+        [x + y / 3, y - x / 5, (x * y) >> 10].map(|c| c + numbers.integer(200))
+    };
+    let sheet: Vec<[i32; 3]> = (0..N * N).map(vertex).collect();
+    let quads = (0..N - 1).flat_map(|y| (0..N - 1).map(move |x| y * N + x));
+    let mut faces: Vec<[u32; 3]> =
+        quads.flat_map(|a| [[a, a + 1, a + N + 1], [a, a + N + 1, a + N]]).collect();
+    faces.remove(0);
+    faces.push([77, 78, 3]);
+    let mut digest = Digest::new();
+    let mut smoother = Smoother::default();
+    for strength in 0..=Smoother::STRENGTHS {
+        let mut positions = sheet.clone();
+        smoother.smooth(&mut positions, &faces, strength, 128);
+        positions.as_flattened().iter().for_each(|&x| digest.word(x as u64));
+    }
+    assert_eq!(digest.0, 0x299c_6f61_9ef5_3258, "{:#x}", digest.0);
 }
 
 #[test]

@@ -42,13 +42,12 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 
 const COVERS: &[&str] = &["intra.labels.order", "intra.labels.vote", "intra.labels.border"];
 
-/// Gaps of 1 to 9 along x, in no order.
+/// Gaps of 5 and 6 along x, of 17 along y and of 7 along z.
 fn on_lattice() -> GridMesh {
     let heights = |i: u32, j: u32| (3 * i + 5 * j + i * j) % 20;
-    let far = |rank: u32| (0..rank).map(|gap| 1 + (gap * gap + 3) % 9).sum::<u32>();
     let at = |v: u32| {
         let rank = [v / 20, heights(v / 20, v % 20), v % 20];
-        [far(rank[0]), 40 * rank[1], 7 * rank[2]].map(|x| x as i32)
+        [rank[0] * 27 / 5, 17 * rank[1], 7 * rank[2]].map(|x| x as i32)
     };
     let quads = (0..19).flat_map(|i| (0..19).map(move |j| 20 * i + j));
     let faces: Faces = quads.flat_map(|a| [[a, a + 20, a + 21], [a, a + 21, a + 1]]).collect();

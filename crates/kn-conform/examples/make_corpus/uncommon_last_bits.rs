@@ -8,7 +8,7 @@ use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
 
 use crate::Draft;
-use crate::shapes::{Faces, bipyramid, mesh, sphere};
+use crate::shapes::{Faces, mesh, sphere};
 use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
@@ -17,16 +17,20 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 
 /// One node moves all vertices; A·x is 2^35 where a position is 2^28.
 struct Scene {
+    translation: [i32; 3],
     rotation: [i32; 3],
     scale: [i32; 3],
     shear: [i32; 3],
     vertices: &'static [[i32; 3]],
 }
 
+const A_LITTLE: [i32; 3] = [5, -7, 11];
+
 const NODE: [i32; 3] = [900_003, -899_983, 900_033];
 
-const SCENES: [Scene; 6] = [
+const SCENES: [Scene; 7] = [
     Scene {
+        translation: A_LITTLE,
         rotation: [-11598, 2651, 11768],
         scale: [1616, 1665, 1630],
         shear: [2015, 1997, -1924],
@@ -40,6 +44,7 @@ const SCENES: [Scene; 6] = [
         ],
     },
     Scene {
+        translation: A_LITTLE,
         rotation: [-14, -15072, 13272],
         scale: [1699, 1710, 1755],
         shear: [-2014, 1958, -1981],
@@ -50,18 +55,21 @@ const SCENES: [Scene; 6] = [
         ],
     },
     Scene {
+        translation: A_LITTLE,
         rotation: [-14998, -15269, -15167],
         scale: [1766, 1738, 1602],
         shear: [1955, 1907, -2012],
         vertices: &[[899_746, -900_270, 900_361]],
     },
     Scene {
+        translation: A_LITTLE,
         rotation: [14774, 246, 2116],
         scale: [1659, 1688, 1659],
         shear: [-2017, 1905, 1925],
         vertices: &[[900_258, -899_935, 900_085]],
     },
     Scene {
+        translation: A_LITTLE,
         rotation: [-9909, 4622, 7712],
         scale: [1675, 1630, 1790],
         shear: [2028, 2029, -1977],
@@ -72,10 +80,19 @@ const SCENES: [Scene; 6] = [
         ],
     },
     Scene {
+        translation: A_LITTLE,
         rotation: [14834, 7538, 10178],
         scale: [1698, 1649, 1677],
         shear: [1995, -1907, -1971],
         vertices: &[[900_128, -899_718, 899_816], [900_356, -899_956, 899_748]],
+    },
+    // b is on the other side of a power of two than n − A·n.
+    Scene {
+        translation: [909_247, 913_516, -943_933],
+        rotation: [-6763, -4597, 4],
+        scale: [1754, 1672, 1672],
+        shear: [1996, 1964, 1905],
+        vertices: &[[900_042, -899_863, 899_963]],
     },
 ];
 
@@ -107,6 +124,7 @@ fn last_bits_of_weights() -> Result<Draft, Box<dyn Error>> {
     let [p, q] = [[400_003, -399_961, 300_007], [-500_029, -450_001, 410_009]];
     let nodes = [p, p.map(|c: i32| -c), q, q.map(|c: i32| -c)];
     let scene = Scene {
+        translation: A_LITTLE,
         rotation: [9001, -5003, 12007],
         scale: [1699, 1777, 1788],
         shear: [2011, -1999, 2003],
@@ -118,6 +136,10 @@ fn last_bits_of_weights() -> Result<Draft, Box<dyn Error>> {
             [-122, -261, -278],
             [27, -60, 139],
             [-193, 33, -143],
+            [-284, 192, 9],
+            [-270, -142, -13],
+            [-168, -162, -132],
+            [-275, 90, 244],
         ],
     };
     let intra = intra_unit(&payload_of(&cloud(scene.vertices))?);
@@ -150,7 +172,7 @@ fn cloud(vertices: &[[i32; 3]]) -> GridMesh {
     GridMesh { positions: vertices.to_vec(), ..GridMesh::default() }
 }
 
-/// Key nodes that all move alike, and their motion: translations of (5, −7, 11) units, angles in
+/// Key nodes that all move alike, and their motion: translations in units, angles in
 /// 2^−12, scales and shears in 2^−8.
 fn group(nodes: &[[i32; 3]], sigma: Option<u32>, scene: &Scene) -> String {
     let mut last = [0; 3];
@@ -173,7 +195,7 @@ fn group(nodes: &[[i32; 3]], sigma: Option<u32>, scene: &Scene) -> String {
          scale_step = 24\nshear_step = 24\nparameter_table = 40\ntranslation = {}\n\
          rotation = {}\nscale = {}\nshear = {}\n",
         nodes.len(),
-        each([5, -7, 11]),
+        each(scene.translation),
         each(scene.rotation),
         each(scene.scale),
         each(scene.shear),
@@ -188,12 +210,19 @@ struct Smoothed {
     below: [&'static str; 3],
 }
 
-fn smoothed() -> [Smoothed; 3] {
-    [
-        Smoothed { faces: sphere(5, 2), strength: 5, below: ["111111111111"; 3] },
-        Smoothed { faces: bipyramid(7), strength: 4, below: ["111111111"; 3] },
-        Smoothed { faces: bipyramid(4), strength: 4, below: ["111111"; 3] },
-    ]
+fn smoothed() -> [Smoothed; 2] {
+    let fields = [
+        "1111112221122121122222221112212122111",
+        "1112112212112221122222112212121221111",
+        "1111221121112222221122222111121212121",
+        "1122111121111122212212222211221211221",
+        "2121122222121221121112222111121122212",
+    ];
+    [[0, 1, 2], [3, 4, 0]].map(|axes| Smoothed {
+        faces: sphere(7, 5),
+        strength: 5,
+        below: axes.map(|field: usize| fields[field]),
+    })
 }
 
 fn last_bits_of_smoothing() -> Result<Draft, Box<dyn Error>> {

@@ -20,6 +20,19 @@ const EDGE: i32 = (1 << 20) - 1;
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     Ok(vec![
         lattices()?,
+        written(
+            "waiting",
+            "The order in which half-edges wait after a jump; two edges between the same vertices, so that a \
+             neighbour votes twice.",
+            &["intra.connectivity.add", "intra.connectivity.gate", "intra.labels.vote"],
+            include_str!("waiting.txt"),
+        ),
+        written(
+            "joined_neighbours",
+            "Points of many copies, two of them in one triangle: which is settled before which is known.",
+            &["intra.join.twins", "intra.geometry.twins", "intra.geometry.order"],
+            include_str!("joined_neighbours.txt"),
+        ),
         groups(
             "high_valences",
             "Vertices of 33, 40, 70 and 100 triangles: 32 half-edges predict, valences count up to 64, \
@@ -58,6 +71,11 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             &flat(),
         )?,
     ])
+}
+
+/// A stream whose text was made by another encoder: surfaces that ours takes apart.
+fn written(name: &str, danger: &str, covers: &'static [&'static str], text: &str) -> Draft {
+    Draft { name: name.into(), text: text.into(), danger: danger.into(), rule: None, covers }
 }
 
 /// A stream of groups of one frame each, with labels where the meshes have them.

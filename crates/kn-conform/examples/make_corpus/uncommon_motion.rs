@@ -15,8 +15,9 @@ const LIMIT: i64 = 1 << 20;
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?];
     for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
-        drafts.push(ties(name, slots)?);
+        drafts.push(ties(name, slots, slots)?);
     }
+    drafts.push(ties("ties_one_node", 6, 1)?);
     for (scheme, name) in
         [(0, "few_nodes_inverse"), (1, "few_nodes_sumner"), (2, "few_nodes_gaussian")]
     {
@@ -127,26 +128,26 @@ fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
     GridMesh { positions, ..GridMesh::default() }
 }
 
-/// All nodes in the origin, so that weights are 1/Q; a scale of 1.5 makes halves of odd
+/// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes halves of odd
 /// coordinates, and translations add up to whole numbers of Q.
-fn ties(name: &str, slots: usize) -> Result<Draft, Box<dyn Error>> {
+fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft, Box<dyn Error>> {
     let mut noise = Noise::new(slots as u64);
     let odd = |noise: &mut Noise| noise.point(3000).map(|x| 2 * x + 1);
     let positions = (0..40).map(|_| odd(&mut noise)).collect();
-    let mut translation: Vec<[i32; 3]> = (1..slots).map(|_| noise.point(9)).collect();
+    let mut translation: Vec<[i32; 3]> = (1..nodes).map(|_| noise.point(9)).collect();
     let sum = |axis: usize| translation.iter().map(|t| t[axis]).sum::<i32>();
     let last = [0, 1, 2].map(|axis| -sum(axis).rem_euclid(slots as i32));
     translation.push(last);
     let scene = Scene {
         header: whole_steps(slots),
         mesh: cloud(positions),
-        nodes: vec![[0; 3]; slots],
+        nodes: vec![[0; 3]; nodes],
         affine: true,
         sigma: None,
         // A step of 2^−8, 128 times.
         motions: vec![Motion {
             translation,
-            turn_or_scale: vec![[128; 3]; slots],
+            turn_or_scale: vec![[128; 3]; nodes],
             steps: [0, 24],
             ..Motion::default()
         }],

@@ -17,6 +17,9 @@ const STREAMS: [(&str, u8, u8, i32); 4] = [
     ("path_wide", 2, 1, 1),
 ];
 
+/// A label in whose region there is no node.
+const WITHOUT_NODES: u8 = 14;
+
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     STREAMS.map(stream).into_iter().collect()
 }
@@ -37,7 +40,7 @@ fn stream(
         header = header.after("grid_step", 0, &["label_count = 15", regions]);
     }
     let mut text = header.clone().build();
-    for _ in 0..3 {
+    for _ in 0..6 {
         text += &scene(&header, label_set, spacing, &mut noise).group()?;
     }
     Ok(Draft {
@@ -55,7 +58,7 @@ fn stream(
 /// two may be in one point.
 fn scene(header: &Text, label_set: u8, spacing: i32, noise: &mut Noise) -> Scene {
     let (mut nodes, mut labels): (Vec<[i32; 3]>, Vec<u8>) = Default::default();
-    let clusters: &[u8] = if label_set == 0 { &[0; 3] } else { &[7, 0, 9, 14, 2, 12, 5, 13] };
+    let clusters: &[u8] = if label_set == 0 { &[0; 3] } else { &[7, 0, 10, 9, 3, 2, 12, 13] };
     for &label in clusters {
         let at = noise.point(6);
         for _ in 0..3 + noise.below(7) {
@@ -69,11 +72,13 @@ fn scene(header: &Text, label_set: u8, spacing: i32, noise: &mut Noise) -> Scene
     }
     let beside: Vec<[i32; 3]> =
         nodes.iter().map(|&[x, y, z]| [x + noise.around(1), y, z + 1]).collect();
-    let mesh = GridMesh {
-        positions: [nodes.clone(), beside].concat(),
-        faces: Vec::new(),
-        labels: if label_set == 0 { Vec::new() } else { [labels.clone(), labels.clone()].concat() },
-    };
+    let mut mesh = GridMesh { positions: [nodes.clone(), beside].concat(), ..GridMesh::default() };
+    if label_set > 0 {
+        mesh.labels = labels.repeat(2);
+        // Without a node of their own they connect nodes of other parts.
+        mesh.positions.extend((0..2).map(|_| noise.point(8 * spacing)));
+        mesh.labels.extend([WITHOUT_NODES; 2]);
+    }
     labels.sort_unstable();
     labels.dedup();
     let mut motion = |mode| Motion {

@@ -117,8 +117,8 @@ fn other_side(part: u8) -> u8 {
 
 /// Whether both feet point clearly to the back, as left and right have it.
 fn swapped(surface: &Surface, labels: &[u8]) -> bool {
-    /// Cosine between a foot and the front: legs turn against the hips, but not so far.
-    const BACKWARDS: f64 = -0.4;
+    /// Sum over both feet: standing on them it is about 0.5; hanging down they say little.
+    const BACKWARDS: f64 = -0.15;
     let centres = centres(surface, labels);
     let way = |from: usize, to: usize| (centres[to]? - centres[from]?).try_normalize(1e-12);
     // Shoulders and hips; what hangs from them also moves forwards and backwards.
@@ -127,20 +127,22 @@ fn swapped(surface: &Surface, labels: &[u8]) -> bool {
     else {
         return false;
     };
-    let backwards = |thigh: u8| {
-        toes(surface, labels, [thigh, thigh + 1, thigh + 2])
-            .is_some_and(|t| t.dot(&front) < BACKWARDS)
-    };
-    backwards(8) && backwards(11)
+    let feet = [8, 11].map(|thigh| toes(surface, labels, thigh, &front));
+    let [Some(one), Some(other)] = feet else { return false };
+    one + other < BACKWARDS
 }
 
-/// The unit direction in which a foot stands off its leg.
-fn toes(surface: &Surface, labels: &[u8], [thigh, leg, foot]: [u8; 3]) -> Option<V3> {
+/// How much farther a foot reaches towards `front` than away from it, in lengths of its leg.
+fn toes(surface: &Surface, labels: &[u8], thigh: u8, front: &V3) -> Option<f64> {
+    let [leg, foot] = [thigh + 1, thigh + 2];
     let knee = border(surface, labels, thigh, leg)?;
     let ankle = border(surface, labels, leg, foot)?;
     let down = (ankle - knee).try_normalize(1e-12)?;
-    let away = centres(surface, labels)[usize::from(foot)]? - ankle;
-    (away - down * away.dot(&down)).try_normalize(1e-12)
+    let ahead = (front - down * front.dot(&down)).try_normalize(0.3)?;
+    let own = (0..labels.len()).filter(|&v| labels[v] == foot);
+    let reach = own.map(|v| (surface.points[v] - ankle).dot(&ahead));
+    let (back, front) = reach.fold((0.0, 0.0), |(b, f), r| (f64::min(b, r), f64::max(f, r)));
+    Some((front + back) / (ankle - knee).norm())
 }
 
 /// The middle of the border between two parts: the mean of the first one's vertices at it.
