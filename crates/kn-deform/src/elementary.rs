@@ -110,7 +110,8 @@ mod tests {
     #[test]
     fn coefficients_are_inverse_factorials() {
         let inverse = |n: usize| 1.0 / (1..=n).map(|factor| factor as f64).product::<f64>();
-        let signed = |k: usize, n: usize| if k.is_multiple_of(2) { -inverse(n) } else { inverse(n) };
+        let signed =
+            |k: usize, n: usize| if k.is_multiple_of(2) { -inverse(n) } else { inverse(n) };
         assert_eq!(SINE, std::array::from_fn(|k| signed(k, 2 * k + 3)));
         assert_eq!(COSINE, std::array::from_fn(|k| signed(k, 2 * k + 2)));
         assert_eq!(EXPONENTIAL, std::array::from_fn(inverse));
