@@ -2,9 +2,10 @@
 
 use std::error::Error;
 
+use kn_bitstream::UnitOfLength;
 use kn_codec::{
-    AffineChoice, Encoder, EncoderConfig, GridChoice, NamePattern, SmoothingChoice, StepChoice,
-    TranslationChoice,
+    AffineChoice, DistortionMeasure, Encoder, EncoderConfig, GridChoice, LabelChoice, NamePattern,
+    NodePlacement, PartStart, SmoothingChoice, StepChoice, TranslationChoice,
 };
 use kn_conform::{Spec, node_labels};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
@@ -12,6 +13,40 @@ use kn_mesh::Mesh;
 
 use crate::Draft;
 use crate::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
+
+/// Every setting, so that no default moves the corpus.
+fn config() -> EncoderConfig {
+    EncoderConfig {
+        grid: GridChoice::Bits { bits: 9, bounds: None },
+        decimation: None,
+        vertex_maps: false,
+        labels: LabelChoice::Given,
+        group_length: 8,
+        nodes: 12,
+        nodes_by_cost: false,
+        placement: NodePlacement::Generated,
+        frame_rate: (30, 1),
+        unit: UnitOfLength::Unspecified,
+        up_axis: 1,
+        fraction_bits: 8,
+        smoothing: SmoothingChoice::Strength(0),
+        nodes_per_vertex: 4,
+        weights: WeightScheme::InverseSquare,
+        influence: InfluenceMode::Fallback,
+        affine: AffineChoice::Labels(vec![7]),
+        combination: Combination::RTSH.into(),
+        distortion: DistortionMeasure::Surrogate,
+        lambda: 3e-5,
+        part_start: PartStart::Off,
+        translation: TranslationChoice::Direct,
+        motion_step: StepChoice::Fixed(1.0),
+        rotation_step: None,
+        scale_step: Some(1.0),
+        shear_step: Some(1.0),
+        digests: true,
+        names: None,
+    }
+}
 
 pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     let plain = ellipsoid(9, 12);
@@ -27,17 +62,6 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         let text = encoded(spec, meshes, config)?;
         drafts.push(Draft { name: name.into(), text, danger: danger.into(), rule: None, covers });
         Ok(())
-    };
-    let config = || EncoderConfig {
-        grid: GridChoice::Bits { bits: 9, bounds: None },
-        nodes: 12,
-        translation: TranslationChoice::Direct,
-        weights: WeightScheme::InverseSquare,
-        combination: Combination::RTSH.into(),
-        motion_step: StepChoice::Fixed(1.0),
-        scale_step: Some(1.0),
-        shear_step: Some(1.0),
-        ..EncoderConfig::default()
     };
     let still = |mesh: &Mesh| vec![mesh.clone()];
     let short = |mesh: &Mesh| (0..3).map(|i| moved(mesh, f64::from(i))).collect::<Vec<_>>();
