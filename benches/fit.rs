@@ -11,7 +11,7 @@ fn fit(criterion: &mut Criterion) {
     let performer = Performer::new(PerformerConfig::default()).expect("the defaults are in range");
     let (source, target) = (performer.frame(0), performer.frame(1));
     let (positions, to) = (source.positions_f64(), target.positions_f64());
-    let chosen = place_farthest(&positions, &source.faces, None, 150).expect("a figure");
+    let chosen = place_farthest(&positions, &source.faces, None, None, 150).expect("a figure");
     let grid: Vec<[i32; 3]> =
         positions.iter().map(|p| p.map(|c| (1000.0 * c).round() as i32)).collect();
     let sites: Vec<[i32; 3]> = chosen.iter().map(|&v| grid[v as usize]).collect();

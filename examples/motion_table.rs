@@ -42,6 +42,7 @@ fn settings() -> Vec<Setting> {
     vec![
         row("rigid, 300 farthest nodes, Sumner", 300, Sumner, Farthest, AffineChoice::None),
         row("rigid, 300 farthest nodes", 300, InverseSquare, Farthest, AffineChoice::None),
+        row("rigid, 300 nodes, Sumner", 300, Sumner, Generated, AffineChoice::None),
         row("rigid, 150 farthest nodes", 150, InverseSquare, Farthest, AffineChoice::None),
         row("rigid, 150 nodes", 150, InverseSquare, Generated, AffineChoice::None),
         row("affine torso, 150 farthest nodes", 150, InverseSquare, Farthest, torso()),

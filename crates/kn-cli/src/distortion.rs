@@ -284,7 +284,9 @@ fn measure_msdm2(
     measures: Measures,
     distortion: &mut Distortion,
 ) {
-    let (Some(reference), Some(other)) = (reference.perceptual(), other.perceptual()) else { return };
+    let (Some(reference), Some(other)) = (reference.perceptual(), other.perceptual()) else {
+        return;
+    };
     let plain = msdm2(reference, other, Interpolation::AtVertex);
     distortion.set(Metric::Msdm2, plain.symmetric);
     distortion.set(Metric::Msdm2Ab, plain.forward.score);

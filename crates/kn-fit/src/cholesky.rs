@@ -192,22 +192,37 @@ impl BlockCholesky {
 
     /// x ← L⁻¹ x.
     pub(crate) fn solve_lower(&self, elimination: &Elimination, x: &mut [f64]) {
-        for (column, &size) in self.sizes.iter().enumerate() {
-            let first = self.variables[column];
-            let diagonal = &self.values[self.diagonals[column]..][..size * size];
-            for i in 0..size {
-                let sum: f64 = (0..i).map(|j| diagonal[i * size + j] * x[first + j]).sum();
-                x[first + i] = (x[first + i] - sum) / diagonal[i * size + i];
+        for column in 0..self.sizes.len() {
+            match self.sizes[column] {
+                3 => self.lower_column::<3>(elimination, column, x),
+                6 => self.lower_column::<6>(elimination, column, x),
+                9 => self.lower_column::<9>(elimination, column, x),
+                _ => self.lower_column::<12>(elimination, column, x),
             }
-            let (head, tail) = x.split_at_mut(first + size);
-            let own = &head[first..];
-            for slot in elimination.column(column) {
-                let row = usize::from(elimination.rows[slot]);
-                let block = &self.values[self.offsets[slot]..][..self.sizes[row] * size];
-                let out = &mut tail[self.variables[row] - first - size..];
-                for (out, line) in out.iter_mut().zip(block.chunks_exact(size)) {
-                    *out -= line.iter().zip(own).map(|(a, b)| a * b).sum::<f64>();
-                }
+        }
+    }
+
+    fn lower_column<const W: usize>(
+        &self,
+        elimination: &Elimination,
+        column: usize,
+        x: &mut [f64],
+    ) {
+        let first = self.variables[column];
+        let (diagonal, below) = self.blocks::<W>(elimination, column);
+        let (head, tail) = x.split_at_mut(first + W);
+        let mut own = [0.0; W];
+        for i in 0..W {
+            let sum: f64 = (0..i).map(|j| diagonal[i][j] * own[j]).sum();
+            own[i] = (head[first + i] - sum) / diagonal[i][i];
+        }
+        head[first..].copy_from_slice(&own);
+        let mut lines = below.iter();
+        for &row in &elimination.rows[elimination.column(column)] {
+            let row = usize::from(row);
+            let out = &mut tail[self.variables[row] - first - W..][..self.sizes[row]];
+            for (out, line) in out.iter_mut().zip(&mut lines) {
+                *out -= (0..W).map(|k| line[k] * own[k]).sum::<f64>();
             }
         }
     }
@@ -215,23 +230,51 @@ impl BlockCholesky {
     /// x ← L⁻ᵀ x.
     pub(crate) fn solve_upper(&self, elimination: &Elimination, x: &mut [f64]) {
         for column in (0..self.sizes.len()).rev() {
-            let (size, first) = (self.sizes[column], self.variables[column]);
-            let (head, tail) = x.split_at_mut(first + size);
-            let own = &mut head[first..];
-            for slot in elimination.column(column) {
-                let row = usize::from(elimination.rows[slot]);
-                let block = &self.values[self.offsets[slot]..][..self.sizes[row] * size];
-                let known = &tail[self.variables[row] - first - size..];
-                for (known, line) in known.iter().zip(block.chunks_exact(size)) {
-                    own.iter_mut().zip(line).for_each(|(own, a)| *own -= known * a);
-                }
-            }
-            let diagonal = &self.values[self.diagonals[column]..][..size * size];
-            for i in (0..size).rev() {
-                let sum: f64 = (i + 1..size).map(|j| diagonal[j * size + i] * own[j]).sum();
-                own[i] = (own[i] - sum) / diagonal[i * size + i];
+            match self.sizes[column] {
+                3 => self.upper_column::<3>(elimination, column, x),
+                6 => self.upper_column::<6>(elimination, column, x),
+                9 => self.upper_column::<9>(elimination, column, x),
+                _ => self.upper_column::<12>(elimination, column, x),
             }
         }
+    }
+
+    fn upper_column<const W: usize>(
+        &self,
+        elimination: &Elimination,
+        column: usize,
+        x: &mut [f64],
+    ) {
+        let first = self.variables[column];
+        let (diagonal, below) = self.blocks::<W>(elimination, column);
+        let (head, tail) = x.split_at_mut(first + W);
+        let mut own: [f64; W] = std::array::from_fn(|i| head[first + i]);
+        let mut lines = below.iter();
+        for &row in &elimination.rows[elimination.column(column)] {
+            let row = usize::from(row);
+            let known = &tail[self.variables[row] - first - W..][..self.sizes[row]];
+            for (known, line) in known.iter().zip(&mut lines) {
+                (0..W).for_each(|k| own[k] -= known * line[k]);
+            }
+        }
+        for i in (0..W).rev() {
+            let sum: f64 = (i + 1..W).map(|j| diagonal[j][i] * own[j]).sum();
+            own[i] = (own[i] - sum) / diagonal[i][i];
+        }
+        head[first..].copy_from_slice(&own);
+    }
+
+    /// The rows of a column's diagonal block, and those of all blocks below it, which follow one
+    /// another.
+    fn blocks<const W: usize>(
+        &self,
+        elimination: &Elimination,
+        column: usize,
+    ) -> (&[[f64; W]], &[[f64; W]]) {
+        let rows = &elimination.rows[elimination.column(column)];
+        let height: usize = rows.iter().map(|&row| self.sizes[usize::from(row)]).sum();
+        let values = &self.values[self.diagonals[column]..][..(W + height) * W];
+        values.as_chunks::<W>().0.split_at(W)
     }
 }
 

@@ -254,32 +254,41 @@ impl Fitter {
         Ok(report)
     }
 
-    /// Of no motion, the previous frame's motion and the parts' rigid alignments the one with the
-    /// lowest residual.
+    /// Of no motion and the previous frame's motion the one with the lower residual; the parts'
+    /// rigid alignments where they clearly do better, since it is fast limbs that need them and
+    /// borders between parts lie elsewhere in every frame.
     fn start(&mut self, frame: Frame) -> Vec<NodeTransform> {
+        /// The residual of aligned parts, relative to that of the other starts.
+        const CLEARLY: f64 = 0.75;
         let Frame { source, target, options, combinations } = frame;
-        let mut candidates = vec![vec![NodeTransform::IDENTITY; source.nodes.len()]];
-        candidates.extend(self.previous.iter().map(|motion| restrict(motion, combinations)));
-        if options.part_start != PartStart::Off {
-            let aligned = parts::align(&self.group, source, target, combinations);
-            match aligned {
-                Some(aligned) if options.part_start == PartStart::On => return aligned,
-                aligned => candidates.extend(aligned),
+        let still = vec![NodeTransform::IDENTITY; source.nodes.len()];
+        let again = self.previous.as_ref().map(|motion| restrict(motion, combinations));
+        let aligned = match options.part_start {
+            PartStart::Off => None,
+            PartStart::On | PartStart::Auto => {
+                parts::align(&self.group, source, target, combinations)
+            }
+        };
+        let (again, aligned) = match (again, aligned) {
+            (None, None) => return still,
+            (_, Some(aligned)) if options.part_start == PartStart::On => return aligned,
+            others => others,
+        };
+        let mut best = (self.residual(frame, &still), still);
+        for (candidate, share) in [(again, 1.0), (aligned, CLEARLY)] {
+            let Some(candidate) = candidate else { continue };
+            let residual = self.residual(frame, &candidate);
+            if residual < share * best.0 {
+                best = (residual, candidate);
             }
         }
-        if candidates.len() == 1 {
-            return candidates.swap_remove(0);
-        }
-        let mut best = (f64::INFINITY, 0);
-        for (number, candidate) in candidates.iter().enumerate() {
-            self.deformed.update(source, candidate);
-            let matches = coarse::correspond(&self.group, &self.deformed, target, REACH_WEIGHT);
-            let residual = matches.residual();
-            if residual < best.0 {
-                best = (residual, number);
-            }
-        }
-        candidates.swap_remove(best.1)
+        best.1
+    }
+
+    /// How far coarse samples are from the target under these transforms.
+    fn residual(&mut self, frame: Frame, transforms: &[NodeTransform]) -> f64 {
+        self.deformed.update(frame.source, transforms);
+        coarse::correspond(&self.group, &self.deformed, frame.target, REACH_WEIGHT).residual()
     }
 
     /// Matches of every vertex of the source, or of its samples.

@@ -75,7 +75,7 @@ const FEW: f64 = 0.05;
 const CONTROL: f64 = 0.01;
 /// A change of a vertex costs at least this many times the mean squared error, so that where nothing
 /// moves in the key frame the nodes stay evenly spread.
-const PRIOR: f64 = 10.0;
+const PRIOR: f64 = 2.0;
 /// Rounds after the number is reached, in which the nodes that matter least move to where the
 /// error is highest.
 const MOVING_ROUNDS: usize = 3;

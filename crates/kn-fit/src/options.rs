@@ -11,7 +11,7 @@ pub enum PartStart {
     Off,
     /// Wherever both meshes carry labels.
     On,
-    /// Wherever both meshes carry labels and the aligned start leaves a lower residual.
+    /// Wherever both meshes carry labels and the aligned start leaves a clearly lower residual.
     #[default]
     Auto,
 }

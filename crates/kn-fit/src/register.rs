@@ -52,9 +52,16 @@ pub fn register(
     options: &RegisterOptions,
 ) -> Result<Registration, FitError> {
     check_mesh(source_positions, source_faces, Side::Source)?;
-    let chosen = place_farthest(source_positions, source_faces, None, options.nodes)?;
-    let nodes: Vec<[f64; 3]> = chosen.iter().map(|&v| source_positions[v as usize]).collect();
-    let influence = influence(source_positions, &nodes)?;
+    let (target, placed) = rayon::join(
+        || FitTarget::new(target_positions, target_faces),
+        || {
+            let chosen = place_farthest(source_positions, source_faces, None, None, options.nodes)?;
+            let place = |&v: &u32| source_positions[v as usize];
+            let nodes: Vec<[f64; 3]> = chosen.iter().map(place).collect();
+            influence(source_positions, &nodes).map(|influence| (nodes, influence))
+        },
+    );
+    let ((nodes, influence), target) = (placed?, target?);
     let affine = vec![false; nodes.len()];
     let source = FitSource {
         positions: source_positions,
@@ -65,7 +72,6 @@ pub fn register(
         labels: None,
     };
     let mut fitter = Fitter::new(&source)?;
-    let target = FitTarget::new(target_positions, target_faces)?;
     let fit = fitter.fit_frame(&source, &target, &options.fit)?;
     let positions = fitter.deformed().to_vec();
     Ok(Registration { positions, nodes, transforms: fit.transforms, report: fit.report })

@@ -50,7 +50,8 @@ impl Scene {
         let performer = performer(seed, vertices, Action::Dance);
         let (source, target) = (performer.frame(frames[0]), performer.frame(frames[1]));
         let positions = source.positions_f64();
-        let chosen = place_farthest(&positions, &source.faces, None, nodes).expect("a figure");
+        let chosen =
+            place_farthest(&positions, &source.faces, None, None, nodes).expect("a figure");
         Self {
             influence: influence(&positions, &chosen),
             nodes: chosen.iter().map(|&v| positions[v as usize]).collect(),

@@ -79,7 +79,8 @@ struct Relative {
 /// Runs the command.
 pub(crate) fn run(arguments: &RegisterArguments, global: &Global) -> Result<Outcome> {
     MeshFormat::of_path(&arguments.output)?;
-    let (source, target) = (read(&arguments.source)?, read(&arguments.target)?);
+    let (source, target) = rayon::join(|| read(&arguments.source), || read(&arguments.target));
+    let (source, target) = (source?, target?);
     let truth = arguments.truth.as_ref().map(|path| read_truth(path, &source)).transpose()?;
     let start = Instant::now();
     let (deformed, registration) = arguments.deform(&source, &target)?;
@@ -156,7 +157,8 @@ fn cleaned(mesh: &Mesh, path: &Path) -> Result<Cleaned> {
 impl Relative {
     /// From the vertices of each surface, those that have a face, to the other surface.
     fn measure(deformed: &Mesh, target: &Mesh, truth: Option<&[[f32; 3]]>) -> Result<Self> {
-        let (s2t, t2s) = (one_way(deformed, target)?, one_way(target, deformed)?);
+        let (s2t, t2s) = rayon::join(|| one_way(deformed, target), || one_way(target, deformed));
+        let (s2t, t2s) = (s2t?, t2s?);
         let diagonal = target.bounding_box().context("the target has no vertex")?.diagonal();
         Ok(Self {
             s2t: s2t.rms() / diagonal,

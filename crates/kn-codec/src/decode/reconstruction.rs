@@ -156,19 +156,21 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// What [`Self::apply`] would make the reference, and its faces; the state stays as it is.
+    /// Shows `look` the positions that [`Self::apply`] would make the reference, and its faces; the
+    /// state stays as it is.
     ///
     /// # Errors
     /// The rule that is broken.
     #[cfg(feature = "encode")]
-    pub(crate) fn preview(
+    pub(crate) fn preview<T>(
         &mut self,
         motion: &MotionFrame,
-    ) -> Result<(&[[i32; 3]], &[[u32; 3]]), &'static str> {
+        look: impl FnOnce(&[[i32; 3]], &[[u32; 3]]) -> T,
+    ) -> Result<T, &'static str> {
         let before = self.translations.clone();
         let deformed = self.deform(motion);
         self.translations = before;
-        deformed.map(|()| (&self.next[..], &self.intra.faces[..]))
+        deformed.map(|()| look(&self.next, &self.intra.faces))
     }
 
     /// The next frame from its motion, into `self.next`.

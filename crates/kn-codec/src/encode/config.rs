@@ -69,12 +69,14 @@ pub enum AffineChoice {
 pub enum CombinationChoice {
     /// This one in every P-frame.
     Fixed(Combination),
-    /// By the first P-frame of each group, for the whole group: the paper's choice.
+    /// By the first P-frame of each group, for the whole group: the paper's choice. Among the
+    /// combinations with rotation: one frame does not show what the others lose in a chain of frames
+    /// (`docs/notes/choice.md`).
     FirstP,
-    /// In every P-frame anew.
+    /// In every P-frame anew, among the same.
     PerFrame,
-    /// For the whole group, by the sum of J over its P-frames: each combination codes the group
-    /// once, which takes eight times as long.
+    /// For the whole group, by the sum of J over its P-frames, among all: each combination codes the
+    /// group once, which takes eight times as long.
     LookAhead,
 }
 

@@ -117,7 +117,8 @@ impl MotionEncoder {
             }
             // Rigid nodes have rotation and translation, whatever the combination.
             _ if decoded.nodes().affine_count() == 0 => vec![Combination::RT],
-            _ => Combination::ALL.to_vec(),
+            // One frame does not show what the others lose without rotation in a chain of frames.
+            _ => Combination::ALL.into_iter().filter(|combination| combination.rotation).collect(),
         }
     }
 
@@ -219,10 +220,10 @@ impl Frame<'_> {
         motion.write(&mut bits, &self.decoded.motion_context());
         let bytes = bits.into_bytes().len() as u64;
         // What the decoder would refuse costs more than anything else.
-        let distortion =
-            self.decoded.preview(motion).map_or(f64::INFINITY, |(positions, faces)| {
-                self.scan.distortion(positions, self.unit, faces)
-            });
+        let look = |positions: &[[i32; 3]], faces: &[[u32; 3]]| {
+            self.scan.distortion(positions, self.unit, faces)
+        };
+        let distortion = self.decoded.preview(motion, look).unwrap_or(f64::INFINITY);
         CostReport::new(distortion, bytes, self.config.lambda)
     }
 

@@ -80,7 +80,9 @@ impl<'a> NodeChooser<'a> {
     }
 
     fn farthest(&self) -> Result<Vec<u32>, FitError> {
-        place_farthest(&self.positions, &self.intra.faces, self.regions(), self.config.nodes)
+        let affine = self.affine_vertices();
+        let (faces, count) = (&self.intra.faces, self.config.nodes);
+        place_farthest(&self.positions, faces, self.regions(), Some(&affine), count)
     }
 
     /// Nodes by the motion to the key frame; `None` where no frame can be tracked.

@@ -69,9 +69,9 @@ pub(super) struct Trial<'a> {
 impl<'a> Trial<'a> {
     /// About `count` farthest points, fitted from rest.
     pub(super) fn dense(setting: &'a Setting<'a>, count: usize) -> Result<Self, FitError> {
-        let NodeSource { positions, faces, regions, .. } = *setting.source;
+        let NodeSource { positions, faces, regions, affine, .. } = *setting.source;
         let count = count.clamp(1, crate::MAX_NODES);
-        Self::fit(setting, place_farthest(positions, faces, regions, count)?, None)
+        Self::fit(setting, place_farthest(positions, faces, regions, Some(affine), count)?, None)
     }
 
     /// So many nodes are a share of all, at least one.

@@ -58,17 +58,22 @@ pub(super) fn curvature(
         |(flood, tensors), (chunk, out)| {
             for (i, out) in out.chunks_exact_mut(levels).enumerate() {
                 let vertex = chunk * CHUNK + i;
-                if rings[vertex].shortest_edge > radii[levels - 1] {
-                    let curvature = side * rings[vertex].curvature / PI;
-                    out.iter_mut().zip(radii).for_each(|(out, radius)| *out = curvature / radius);
+                // Spheres that every edge leaves.
+                let small = radii.iter().take_while(|&&r| r < rings[vertex].shortest_edge).count();
+                for (out, radius) in out.iter_mut().zip(&radii[..small]) {
+                    *out = side * rings[vertex].curvature / (PI * radius);
+                }
+                if small == levels {
                     continue;
                 }
                 tensors.fill([0.0; 6]);
                 flood.run(topology, positions, vertex as u32, &spheres, |step| {
-                    add_edges(tensors, step, topology, (positions, vertex), &spheres);
+                    let step = Step { level: step.level.max(small), ..*step };
+                    add_edges(tensors, &step, topology, (positions, vertex), &spheres);
                 });
-                for (out, (tensor, radius)) in out.iter_mut().zip(tensors.iter().zip(radii)) {
-                    *out = side * mean_absolute(tensor) / (PI * radius * radius);
+                for level in small..levels {
+                    let area = PI * radii[level] * radii[level];
+                    out[level] = side * mean_absolute(&tensors[level]) / area;
                 }
             }
         },
