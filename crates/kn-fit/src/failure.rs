@@ -30,6 +30,9 @@ const TEAR: f64 = 0.12;
 const UNMATCHED: f64 = 0.05;
 /// (of a coarse mesh, that of so many vertices: more of its surface lies near a border)
 const MANY_UNMATCHED: f64 = 150.0;
+/// ... or this part of that, and so many times the share of any earlier frame of the group,
+const UNMATCHED_ANEW: f64 = 0.7;
+const MORE_UNMATCHED: f64 = 1.75;
 /// ... or when the 95th percentile of the distances is this many times that of any earlier frame
 /// of the group,
 const WORSE: f64 = 3.0;
@@ -79,8 +82,17 @@ pub enum FitFailure {
 pub(crate) struct Watch {
     /// Edges and their lengths in the group's first frame.
     edges: Vec<(u32, u32, f64)>,
-    /// The largest 95th percentile of the frames so far.
-    worst: Option<f64>,
+    /// The largest of the frames so far.
+    worst: Option<Worst>,
+}
+
+/// The largest values of the frames of a group.
+#[derive(Clone, Copy, Debug, Default)]
+struct Worst {
+    /// 95th percentile of the distances.
+    p95: f64,
+    /// Share of the area without a partner.
+    unmatched: f64,
 }
 
 /// A fitted frame, measured.
@@ -101,7 +113,11 @@ impl Watch {
 
     /// The frame becomes one that later ones are compared with.
     pub(crate) fn remember(&mut self, report: &FitReport) {
-        self.worst = Some(self.worst.unwrap_or(0.0).max(p95(report)));
+        let worst = self.worst.unwrap_or_default();
+        self.worst = Some(Worst {
+            p95: worst.p95.max(p95(report)),
+            unmatched: worst.unmatched.max(unmatched(report)),
+        });
     }
 
     /// What the motion does not explain, the plainest reason first.
@@ -130,12 +146,15 @@ impl Watch {
 
     fn unusual(&self, outcome: &Outcome) -> Option<FitFailure> {
         let report = outcome.report;
-        let share = report.source_to_target.unmatched.max(report.target_to_source.unmatched);
+        let share = unmatched(report);
         let vertices = outcome.deformed.positions.len().min(outcome.target.positions.len());
-        if share > UNMATCHED.max(MANY_UNMATCHED / vertices as f64) {
+        let limit = UNMATCHED.max(MANY_UNMATCHED / vertices as f64);
+        let anew =
+            |worst: Worst| share > (MORE_UNMATCHED * worst.unmatched).max(UNMATCHED_ANEW * limit);
+        if share > limit || self.worst.is_some_and(anew) {
             return Some(FitFailure::Unmatched { share });
         }
-        let (now, worst) = (p95(report), self.worst?);
+        let (now, worst) = (p95(report), self.worst?.p95);
         let worse = now > WORSE * worst && now > NOTABLE * outcome.target.diagonal;
         worse.then(|| FitFailure::Worse { ratio: now / worst })
     }
@@ -149,6 +168,11 @@ fn gap(target: &FitTarget, point: Vec3) -> f64 {
 /// The larger 95th percentile of both directions.
 fn p95(report: &FitReport) -> f64 {
     report.source_to_target.p95.max(report.target_to_source.p95)
+}
+
+/// The larger share without a partner of both directions.
+fn unmatched(report: &FitReport) -> f64 {
+    report.source_to_target.unmatched.max(report.target_to_source.unmatched)
 }
 
 /// The larger of the largest far regions of both meshes, where it is large enough.
