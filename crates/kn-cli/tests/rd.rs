@@ -193,6 +193,16 @@ fn check_report(study: &Study) {
     let rows = fs::read_to_string(study.path("out/results.csv")).expect("written");
     assert!(rows.starts_with("sequence,codec,point,bytes_per_frame,"), "{rows}");
     assert_eq!(rows.lines().count(), 5);
+    let text = fs::read_to_string(study.path("out/report.md")).expect("written");
+    assert!(text.starts_with("# a <b> & c\n"), "{text}");
+    assert!(text.contains("## BD-rate against baseline: MSDM2, P-frames alone, %"), "{text}");
+    assert!(!text.contains("NaN"), "{text}");
+    let widths = |line: &str| line.matches('|').count();
+    for table in text.split("\n\n").filter(|part| part.starts_with('|')) {
+        let mut lines = table.lines().map(widths);
+        let first = lines.next().expect("a header");
+        assert!(lines.all(|width| width == first), "{table}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod config;
 mod curves;
 mod deltas;
 mod export;
+mod markdown;
 mod performer;
 mod pictures;
 mod queue;
@@ -40,6 +41,7 @@ preset's, then those of the preset's entry, of the sequence and of the rate poin
 of the flags of kn encode. Curves of other codecs come from CSV tables. The folder then holds
 
   report.html             curves, Bjontegaard deltas, pictures, tables; needs nothing beside it
+  report.md               the tables as Markdown
   results.csv             a row for each stream; can be a table of another configuration
   results.json            everything
   cells/ pictures/        streams with their measurements; what is there is not done again
@@ -106,6 +108,8 @@ fn finish(config: &Config, study: &Study, foreign: Vec<Curve>, output: &Path) ->
     curves.extend(foreign.into_iter().filter(known));
     let deltas = deltas::all(&curves, &config.anchors);
     export::write(output, study, &deltas)?;
+    let text = markdown::render(config, study, &curves, &deltas);
+    write_file(&output.join("report.md"), |out| Ok(out.write_all(text.as_bytes())?))?;
     let material = report::Material { config, study, curves: &curves, deltas: &deltas };
     let html = material.render(output)?;
     let path = output.join("report.html");
