@@ -4,7 +4,8 @@
 
 use std::io::Cursor;
 
-use kn_codec::{AffineChoice, Decoder, Encoder, EncoderConfig, GridChoice};
+use kn_codec::{AffineChoice, CombinationChoice, Decoder, Encoder, EncoderConfig, GridChoice};
+use kn_codec::{LabelChoice, StepChoice};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
@@ -17,6 +18,8 @@ struct Case {
     weights: u8,
     strict: bool,
     labelled: bool,
+    /// Whether labels are found where there are none.
+    found: bool,
     bits: u8,
     nodes: u8,
     nodes_per_vertex: u8,
@@ -56,10 +59,17 @@ impl Case {
             nodes: 1 + usize::from(self.nodes % 24),
             nodes_per_vertex: 1 + self.nodes_per_vertex % 8,
             fraction_bits: self.fraction_bits % 9,
-            combination: Combination::ALL[usize::from(self.combination % 8)],
-            affine: match self.affine % 3 {
+            combination: match self.combination % 11 {
+                8 => CombinationChoice::FirstP,
+                9 => CombinationChoice::PerFrame,
+                10 => CombinationChoice::LookAhead,
+                fixed => CombinationChoice::Fixed(Combination::ALL[usize::from(fixed)]),
+            },
+            labels: if self.found { LabelChoice::Auto } else { LabelChoice::Given },
+            affine: match self.affine % 4 {
                 0 => AffineChoice::None,
                 1 => AffineChoice::All,
+                2 => AffineChoice::Cost,
                 _ => AffineChoice::Labels(vec![self.affine % 15]),
             },
             weights: match self.weights % 3 {
@@ -68,7 +78,10 @@ impl Case {
                 _ => WeightScheme::Gaussian { sigma: 1 + u32::from(self.weights) },
             },
             influence: if self.strict { InfluenceMode::Strict } else { InfluenceMode::Fallback },
-            motion_step: (1.0 + f64::from(self.motion_step)) / 16.0,
+            motion_step: match self.motion_step {
+                0 => StepChoice::Cost,
+                step => StepChoice::Fixed(f64::from(step) / 16.0),
+            },
             ..EncoderConfig::default()
         }
     }
