@@ -24,8 +24,9 @@ const STRETCHED: f64 = 3.0;
 const GAP: f64 = 0.01;
 const GAPING: f64 = 0.25;
 /// A frame is not explained when the torn edges, side by side, are as long as this share of the
-/// diagonal: they cross a tear, and its length is the sum of theirs before.
-const TEAR: f64 = 0.12;
+/// diagonal: they cross a tear, and its length is the sum of theirs before. A hand that leaves the hip
+/// has 0.12 to 0.15, and is not worth an I-frame.
+const TEAR: f64 = 0.2;
 /// ... or when this share of the area of either mesh found no partner,
 const UNMATCHED: f64 = 0.05;
 /// (of a coarse mesh, that of so many vertices: more of its surface lies near a border)
