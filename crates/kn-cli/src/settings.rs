@@ -58,7 +58,7 @@ pub(crate) struct Settings {
     #[arg(long, value_name = "D", value_parser = choices::lambda)]
     lambda: Option<f64>,
     /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
-    /// their nodes move [default: auto]
+    /// their nodes move [default: on]
     #[arg(long, value_enum)]
     part_start: Option<PartStartArgument>,
     /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame

@@ -236,7 +236,7 @@ impl Default for EncoderConfig {
             combination: CombinationChoice::FirstP,
             distortion: DistortionMeasure::Surrogate,
             lambda: LAMBDA,
-            part_start: PartStart::Auto,
+            part_start: PartStart::On,
             translation: TranslationChoice::Cost,
             motion_step: StepChoice::Cost,
             rotation_step: None,

@@ -30,6 +30,7 @@ const PRESETS: &[Preset] = &[
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
             config.labels = LabelChoice::Given;
+            config.part_start = PartStart::Off;
             config.affine = AffineChoice::None;
             config.combination = Combination::RT.into();
             config.motion_step = StepChoice::Fixed(2.0);
@@ -89,9 +90,9 @@ const PRESETS: &[Preset] = &[
         change: |config| config.part_start = PartStart::Off,
     },
     Preset {
-        name: "part-start-on",
-        about: "bimodal with segment-guided correspondence in every frame, as in the paper",
-        change: |config| config.part_start = PartStart::On,
+        name: "part-start-auto",
+        about: "bimodal with body parts aligned first only where that leaves much smaller distances",
+        change: |config| config.part_start = PartStart::Auto,
     },
     Preset {
         name: "translation-direct",
