@@ -7,15 +7,16 @@
 //! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
 //! 11 of `../shared/data/dancer`, and where that is absent a few of the performer.
 
+mod common;
+
 use anyhow::{Context, Result, ensure};
-use kn_codec::{AffineChoice, Decoder, Encoder, EncoderConfig, GridChoice, NodePlacement};
+use common::{Surface, code, without_choices};
+use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
 use kn_deform::WeightScheme;
 use kn_fit::segment::{SegmentOptions, Segmenter, TORSO};
 use kn_mesh::io::{Inputs, ReadOptions};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{BoundingBox, Mesh, clean};
-use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2, p2s};
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Area-uniform samples on each surface.
@@ -71,9 +72,18 @@ fn main() -> Result<()> {
     let surfaces: Vec<Surface> = frames.iter().skip(1).map(Surface::new).collect::<Result<_>>()?;
     for setting in settings() {
         let frames = if setting.labelled { &labelled } else { &frames };
-        let (bytes, decoded) = code(frames, &setting, bounds)?;
+        let config = EncoderConfig {
+            grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
+            group_length: u8::try_from(frames.len())?,
+            nodes: setting.nodes,
+            affine: setting.affine.clone(),
+            weights: setting.weights,
+            placement: setting.placement,
+            ..without_choices()
+        };
+        let (bytes, decoded) = code(frames, config)?;
         let measured = surfaces.iter().zip(&decoded[1..]);
-        let measured = measured.map(|(scan, shown)| scan.measure(&Surface::new(shown)?, &bounds));
+        let measured = measured.map(|(scan, shown)| measure(scan, shown, &bounds));
         print_setting(&setting, bytes, &measured.collect::<Result<Vec<_>>>()?);
     }
     Ok(())
@@ -109,62 +119,14 @@ fn performer() -> Result<(Vec<Mesh>, BoundingBox)> {
     Ok((frames, bounds))
 }
 
-/// The bytes of the P-frames, and all frames as they are decoded.
-fn code(frames: &[Mesh], setting: &Setting, bounds: BoundingBox) -> Result<(u64, Vec<Mesh>)> {
-    let config = EncoderConfig {
-        grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
-        group_length: u8::try_from(frames.len())?,
-        nodes: setting.nodes,
-        affine: setting.affine.clone(),
-        weights: setting.weights,
-        placement: setting.placement,
-        ..EncoderConfig::default()
-    };
-    let mut encoder = Encoder::new(Vec::new(), config)?;
-    for frame in frames {
-        encoder.push(frame)?;
-    }
-    let finished = encoder.finish()?;
-    let mut decoder = Decoder::new(Cursor::new(finished.writer))?;
-    let (mut decoded, mut mesh) = (Vec::new(), Mesh::default());
-    while decoder.next_frame(&mut mesh)?.is_some() {
-        decoded.push(mesh.clone());
-    }
-    Ok((finished.summary.predicted_bytes, decoded))
-}
-
-/// A mesh with what its distortion is measured on.
-struct Surface {
-    positions: Vec<[f64; 3]>,
-    faces: Vec<[u32; 3]>,
-    tree: TriangleTree,
-    perceptual: Msdm2Surface,
-}
-
 /// P2S and Hausdorff in 1e-4 of the diagonal, and MSDM2.
 type Distortion = [f64; 3];
 
-impl Surface {
-    fn new(mesh: &Mesh) -> Result<Self> {
-        let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
-        Ok(Self {
-            tree: TriangleTree::new(&positions, &faces)?,
-            perceptual: Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?,
-            positions,
-            faces,
-        })
-    }
-
-    fn measure(&self, shown: &Self, bounds: &BoundingBox) -> Result<Distortion> {
-        let side = |surface| -> (&[[f64; 3]], &[[u32; 3]], &TriangleTree) {
-            let Self { positions, faces, tree, .. }: &Self = surface;
-            (positions, faces, tree)
-        };
-        let distance = p2s(side(self), side(shown), SAMPLES)?;
-        let perceptual = msdm2(&self.perceptual, &shown.perceptual, Interpolation::AtVertex);
-        let unit = 1e-4 * bounds.diagonal();
-        Ok([distance.rms() / unit, distance.hausdorff() / unit, perceptual.symmetric])
-    }
+fn measure(scan: &Surface, shown: &Mesh, bounds: &BoundingBox) -> Result<Distortion> {
+    let shown = Surface::new(shown)?;
+    let distance = scan.distance(&shown, SAMPLES)?;
+    let unit = 1e-4 * bounds.diagonal();
+    Ok([distance.rms() / unit, distance.hausdorff() / unit, scan.msdm2(&shown)])
 }
 
 fn print_setting(setting: &Setting, bytes: u64, frames: &[Distortion]) {
