@@ -18,6 +18,7 @@ mod eigenvalues;
 mod exp;
 mod flood;
 mod list;
+mod machine;
 mod matching;
 mod statistics;
 mod topology;

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::eigenvalues::eigenvalues;
 use super::flood::{Flood, Spheres, Step, clip, clip_special};
+use super::machine::{Machine, Task, dispatch};
 use super::topology::{Symmetric, Topology};
 use crate::lanes::lanes;
 use crate::vec3::{Vec3, length, length_squared, sub};
@@ -51,34 +52,81 @@ pub(super) fn curvature(
 ) -> Vec<f64> {
     let levels = radii.len();
     let spheres = Spheres::new(radii.iter().copied(), topology);
+    let kernel = Kernel { topology, rings, positions, side, radii, spheres };
     let mut curvature = vec![0.0; positions.len() * levels];
     let scratch = || (Flood::new(positions.len(), levels), vec![[0.0; 6]; levels]);
     curvature.par_chunks_mut(CHUNK * levels).enumerate().for_each_init(
         scratch,
         |(flood, tensors), (chunk, out)| {
-            for (i, out) in out.chunks_exact_mut(levels).enumerate() {
-                let vertex = chunk * CHUNK + i;
-                // Spheres that every edge leaves.
-                let small = radii.iter().take_while(|&&r| r < rings[vertex].shortest_edge).count();
-                for (out, radius) in out.iter_mut().zip(&radii[..small]) {
-                    *out = side * rings[vertex].curvature / (PI * radius);
-                }
-                if small == levels {
-                    continue;
-                }
-                tensors.fill([0.0; 6]);
-                flood.run(topology, positions, vertex as u32, &spheres, |step| {
-                    let step = Step { level: step.level.max(small), ..*step };
-                    add_edges(tensors, &step, topology, (positions, vertex), &spheres);
-                });
-                for level in small..levels {
-                    let area = PI * radii[level] * radii[level];
-                    out[level] = side * mean_absolute(&tensors[level]) / area;
-                }
-            }
+            let chunk = Chunk { of: &kernel, flood, tensors, first: chunk * CHUNK, out };
+            dispatch(chunk);
         },
     );
     curvature
+}
+
+/// What the curvature of a vertex depends on.
+struct Kernel<'a> {
+    topology: &'a Topology,
+    rings: &'a [Ring],
+    positions: &'a [Vec3],
+    side: f64,
+    radii: &'a [f64],
+    spheres: Spheres,
+}
+
+/// A chunk of vertices.
+struct Chunk<'a> {
+    of: &'a Kernel<'a>,
+    flood: &'a mut Flood,
+    tensors: &'a mut [Symmetric],
+    first: usize,
+    out: &'a mut [f64],
+}
+
+impl Task for Chunk<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<M: Machine>(self, machine: M) {
+        let Self { of, flood, tensors, first, out } = self;
+        for (vertex, out) in (first..).zip(out.chunks_exact_mut(of.radii.len())) {
+            of.vertex(machine, vertex, flood, tensors, out);
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Curvature of a vertex at all levels.
+    #[inline(always)]
+    fn vertex<M: Machine>(
+        &self,
+        machine: M,
+        vertex: usize,
+        flood: &mut Flood,
+        tensors: &mut [Symmetric],
+        out: &mut [f64],
+    ) {
+        let Self { topology, positions, side, radii, spheres, .. } = self;
+        let ring = &self.rings[vertex];
+        // Spheres that every edge leaves.
+        let small = radii.iter().take_while(|&&radius| radius < ring.shortest_edge).count();
+        for (out, radius) in out.iter_mut().zip(&radii[..small]) {
+            *out = side * ring.curvature / (PI * radius);
+        }
+        if small == radii.len() {
+            return;
+        }
+        tensors.fill([0.0; 6]);
+        flood.run(machine, topology, positions, vertex as u32, spheres, |step| {
+            let step = Step { level: step.level.max(small), ..*step };
+            add_edges(tensors, &step, topology, (positions, vertex), spheres);
+        });
+        for level in small..radii.len() {
+            let area = PI * radii[level] * radii[level];
+            out[level] = side * mean_absolute(&tensors[level]) / area;
+        }
+    }
 }
 
 /// Adds the parts of some edges that are inside each sphere.
@@ -91,7 +139,7 @@ fn add_edges(
     spheres: &Spheres,
 ) {
     let start = positions[step.from as usize];
-    for lane in lanes(step.used) {
+    for lane in lanes(step.ahead.used) {
         let to = step.block.neighbour(lane);
         let along = sub(positions[to.vertex as usize], start);
         let end_squared = length_squared(sub(positions[to.vertex as usize], positions[centre]));

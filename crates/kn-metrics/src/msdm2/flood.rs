@@ -1,9 +1,11 @@
 //! The neighbourhood of a vertex inside a sphere, along edges that lead away from it.
 
+use super::MAX_LEVELS;
 use super::list::List;
+use super::machine::Machine;
 use super::topology::{Block, Topology};
-use crate::lanes::{each_lane, lanes};
-use crate::vec3::{Vec3, dot, length_squared, scale, sub};
+use crate::lanes::lanes;
+use crate::vec3::{Vec3, dot, length_squared, sub};
 
 /// Concentric spheres around each vertex, one a level, the smallest first.
 ///
@@ -12,10 +14,8 @@ use crate::vec3::{Vec3, dot, length_squared, scale, sub};
 /// outside the small one: the vertices that a small sphere reaches are the reached ones in it.
 pub(super) struct Spheres {
     pub(super) radii_squared: Vec<f64>,
-    /// A bit below the squares, in the topology's units.
-    less: Vec<f32>,
-    /// A bit above the largest square.
-    more: f32,
+    /// A bit below and above the squares, in the topology's units.
+    in_units: Vec<[f64; 2]>,
 }
 
 /// A vertex that the flood has reached.
@@ -26,18 +26,27 @@ pub(super) struct Reached {
     pub(super) distance_squared: f64,
 }
 
-/// Some of the edges that the flood uses: those from a vertex to neighbours of one block.
+/// The edges that the flood uses from a vertex to the neighbours of one block.
 pub(super) struct Step<'a> {
     pub(super) from: u32,
     /// `from` as seen from the centre.
     pub(super) offset: Vec3,
     /// The first level whose sphere holds `from`, and with it all levels above.
     pub(super) level: usize,
+    /// The block's, in the topology.
+    pub(super) index: usize,
     pub(super) block: &'a Block,
-    /// A bit for each neighbour whose edge leads away from the centre.
+    pub(super) ahead: Ahead,
+}
+
+/// Sets of a block's neighbours.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Ahead {
+    /// Those whose edge leads away from the centre.
     pub(super) used: u8,
-    /// The used edges that leave the sphere of `level`, and maybe some that do not.
-    pub(super) leaving: u8,
+    /// Of these, those outside the sphere of a level; none at levels whose sphere does not hold
+    /// the edge's start.
+    pub(super) leaving: [u8; MAX_LEVELS],
 }
 
 /// Buffers of a flood, reused from vertex to vertex.
@@ -45,7 +54,10 @@ pub(super) struct Flood {
     /// Per vertex the round that touched it last.
     seen: Vec<u32>,
     round: u32,
-    queue: List<u32>,
+    /// Vertices as many edges away from the centre as the flood has come.
+    wave: List<u32>,
+    /// Those at the ends of the wave's edges, some more than once.
+    found: List<u32>,
     /// Per level the vertices of its sphere that no smaller sphere holds.
     reached: Vec<List<Reached>>,
 }
@@ -55,58 +67,60 @@ impl Flood {
         Self {
             seen: vec![0; vertex_count],
             round: 0,
-            queue: List::new(),
+            wave: List::new(),
+            found: List::new(),
             reached: vec![List::new(); levels],
         }
     }
 
     /// Visits each used edge once, from its nearer end.
-    #[inline]
-    pub(super) fn run(
+    #[inline(always)]
+    pub(super) fn run<M: Machine>(
         &mut self,
+        machine: M,
         topology: &Topology,
         positions: &[Vec3],
         centre: u32,
         spheres: &Spheres,
         mut visit: impl FnMut(&Step),
     ) {
+        let origin = positions[centre as usize];
+        self.start(centre);
+        while !self.wave.as_slice().is_empty() {
+            self.found.clear();
+            for &vertex in self.wave.as_slice() {
+                let offset = sub(positions[vertex as usize], origin);
+                let distance_squared = length_squared(offset);
+                let level = spheres.level_of(distance_squared);
+                self.reached[level].push_if(true, Reached { vertex, distance_squared });
+                let from = From { vertex, origin, offset, distance_squared, level };
+                for (index, block) in topology.blocks(vertex as usize) {
+                    let ahead = from.ahead(machine, block, topology.to_unit, positions, spheres);
+                    let inside = ahead.used & !ahead.leaving[spheres.last()];
+                    self.found.push_some(inside, machine.compress(inside, &block.vertices));
+                    visit(&Step { from: vertex, offset, level, index, block, ahead });
+                }
+            }
+            self.next_wave();
+        }
+    }
+
+    fn start(&mut self, centre: u32) {
         self.round += 1;
         self.seen[centre as usize] = self.round;
         self.reached.iter_mut().for_each(List::clear);
-        self.queue.clear();
-        self.queue.push_if(true, centre);
-        let origin = positions[centre as usize];
-        let mut next = 0;
-        while let Some(&vertex) = self.queue.as_slice().get(next) {
-            let offset = sub(positions[vertex as usize], origin);
-            let distance_squared = length_squared(offset);
-            let level = spheres.level_of(distance_squared);
-            // An edge without length leaves every sphere, as in the reference.
-            let at_centre = distance_squared == 0.0 && next > 0;
-            next += 1;
-            if level == spheres.less.len() || at_centre {
-                continue;
-            }
-            self.reached[level].push_if(true, Reached { vertex, distance_squared });
-            let unit_offset = scale(offset, topology.to_unit).map(|x| x as f32);
-            for block in topology.blocks(vertex as usize) {
-                let (mut used, maybe_used) = block.ahead(unit_offset);
-                let squares = block.distances_squared(unit_offset);
-                let mut leaving = squares.above(spheres.less[level]);
-                if used != maybe_used {
-                    used = exactly_ahead(block, positions, vertex, offset);
-                    // One of them may have no length.
-                    leaving = used;
-                }
-                each_lane::<3>(used & !squares.above(spheres.more), |is_one, lane| {
-                    let to = block.neighbour(lane).vertex;
-                    let seen = &mut self.seen[to as usize];
-                    let is_new = is_one && *seen != self.round;
-                    self.queue.push_if(is_new, to);
-                    *seen = if is_new { self.round } else { *seen };
-                });
-                visit(&Step { from: vertex, offset, level, block, used, leaving: used & leaving });
-            }
+        self.wave.clear();
+        self.wave.push_if(true, centre);
+    }
+
+    /// What was found becomes the wave, each vertex once.
+    #[inline(always)]
+    fn next_wave(&mut self) {
+        self.wave.clear();
+        for &vertex in self.found.as_slice() {
+            let seen = &mut self.seen[vertex as usize];
+            self.wave.push_if(*seen != self.round, vertex);
+            *seen = self.round;
         }
     }
 
@@ -117,15 +131,65 @@ impl Flood {
     }
 }
 
-/// A bit for each neighbour whose edge leads away from the centre, decided in binary64. All edges
-/// of the centre itself do, and only it is at no distance.
-#[cold]
-fn exactly_ahead(block: &Block, positions: &[Vec3], from: u32, offset: Vec3) -> u8 {
-    let is_ahead = |&lane: &usize| {
-        let to = block.neighbour(lane).vertex as usize;
-        offset == [0.0; 3] || dot(sub(positions[to], positions[from as usize]), offset) > 0.0
-    };
-    lanes(block.present()).filter(is_ahead).map(|lane| 1 << lane).sum()
+/// A vertex inside the spheres of `level` and above.
+struct From {
+    vertex: u32,
+    origin: Vec3,
+    /// From the centre.
+    offset: Vec3,
+    distance_squared: f64,
+    level: usize,
+}
+
+impl From {
+    /// Which edges lead away, and where to.
+    #[inline(always)]
+    fn ahead<M: Machine>(
+        &self,
+        machine: M,
+        block: &Block,
+        to_unit: f64,
+        positions: &[Vec3],
+        spheres: &Spheres,
+    ) -> Ahead {
+        let offset = self.offset.map(|x| (x * to_unit) as f32);
+        let (products, slack) = block.products(machine, offset);
+        let used = machine.above(products, slack);
+        let maybe_used = machine.above(products, -slack);
+        let mut ahead = Ahead { used, ..Ahead::default() };
+        let mut unsure = used ^ maybe_used;
+        let gains = block.gains(machine, products);
+        let distance_squared = self.distance_squared * to_unit * to_unit;
+        for (level, [less, more]) in spheres.in_units.iter().enumerate() {
+            let less = machine.above(gains, (less - distance_squared) as f32);
+            let more = machine.above(gains, (more - distance_squared) as f32);
+            let holds = if level >= self.level { used } else { 0 };
+            unsure |= (less ^ more) & holds;
+            ahead.leaving[level] = more & holds;
+        }
+        if unsure == 0 { ahead } else { self.exactly_ahead(block, positions, spheres) }
+    }
+
+    /// Decided in binary64. All edges of the centre itself are used, and only it is at no distance.
+    #[cold]
+    fn exactly_ahead(&self, block: &Block, positions: &[Vec3], spheres: &Spheres) -> Ahead {
+        let mut ahead = Ahead::default();
+        let start = positions[self.vertex as usize];
+        for lane in lanes(block.present()) {
+            let to = positions[block.vertices[lane] as usize];
+            if self.offset != [0.0; 3] && dot(sub(to, start), self.offset) <= 0.0 {
+                continue;
+            }
+            ahead.used |= 1 << lane;
+            let end_squared = length_squared(sub(to, self.origin));
+            for level in self.level..=spheres.last() {
+                // An edge without length leaves every sphere, as in the reference.
+                let leaves = end_squared > spheres.radii_squared[level] || end_squared == 0.0;
+                ahead.leaving[level] |= u8::from(leaves) << lane;
+            }
+        }
+        ahead
+    }
 }
 
 impl Spheres {
@@ -135,18 +199,30 @@ impl Spheres {
         // the edge starts inside, so that no coordinate is much larger than the radius.
         const SLACK: f64 = 1e-5;
         let radii_squared: Vec<f64> = radii.map(|radius| radius * radius).collect();
-        let in_units = |square: f64| (square * topology.to_unit * topology.to_unit) as f32;
-        let less = radii_squared.iter().map(|square| in_units(square * (1.0 - SLACK))).collect();
-        let more = radii_squared.last().map_or(0.0, |square| in_units(square * (1.0 + SLACK)));
-        Self { radii_squared, less, more }
+        let in_units = |square: &f64| {
+            let square = square * topology.to_unit * topology.to_unit;
+            [square * (1.0 - SLACK), square * (1.0 + SLACK)]
+        };
+        let in_units = radii_squared.iter().map(in_units).collect();
+        Self { radii_squared, in_units }
     }
 
-    /// The first level whose sphere holds a vertex at this distance; may be the number of levels.
-    #[inline]
+    /// The first level whose sphere holds a vertex at this distance; the last if none does.
+    #[inline(always)]
     fn level_of(&self, distance_squared: f64) -> usize {
-        self.radii_squared.iter().map(|&radius| usize::from(distance_squared > radius)).sum()
+        let smaller = &self.radii_squared[..self.last()];
+        smaller.iter().map(|&radius| usize::from(distance_squared > radius)).sum()
+    }
+
+    /// The largest level.
+    #[inline(always)]
+    fn last(&self) -> usize {
+        self.radii_squared.len() - 1
     }
 }
+
+/// The least part of an edge that [`clip`] takes for one.
+pub(super) const SMALLEST_PART: f64 = 1e-16;
 
 /// Which part of an edge lies inside a sphere that it leaves: 0 < t ≤ 1. The edge starts inside at
 /// `offset` from the centre, `distance_squared` away. Nothing where the end of that part is not on
@@ -158,7 +234,7 @@ pub(super) fn clip(offset: Vec3, along: Vec3, radius_squared: f64) -> Option<f64
     let c = length_squared(offset) - radius_squared;
     // c ≤ 0, since the edge starts inside: the root is real and not negative.
     let t = ((b * b - a * c).sqrt() - b) / a;
-    (t >= 1e-16).then(|| t.min(1.0))
+    (t >= SMALLEST_PART).then(|| t.min(1.0))
 }
 
 /// What [`clip`] leaves open, as in the reference.

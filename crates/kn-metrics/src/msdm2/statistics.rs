@@ -1,16 +1,17 @@
 //! Curvature statistics of two surfaces over a neighbourhood, and the distance they give.
 
 use super::exp::exp_of_negative;
+use super::machine::QUAD;
 
-/// Sums run in this many lanes, so that the compiler can vectorise them; the order is fixed.
-const LANES: usize = 4;
+/// Sums run in the lanes of a quad; the order is fixed.
+const LANES: usize = QUAD;
 
 /// Samples side by side: those at vertices first, then those where edges leave the sphere.
 /// Curvatures are relative to those at the centre: C − C(v), Ĉ − Ĉ(v). That keeps the digits of a
 /// variance which is small beside the mean.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Samples {
-    blocks: Vec<Block>,
+    blocks: Vec<SampleBlock>,
     /// How many blocks of samples at vertices.
     inside: usize,
 }
@@ -20,12 +21,12 @@ pub(super) type Sample = [f64; 4];
 
 /// The samples of all lanes, one number after the other. Where edges leave the sphere the first is
 /// the weight itself, since it is nearly always the same.
-type Block = [[f64; LANES]; 4];
+pub(super) type SampleBlock = [[f64; LANES]; 4];
 
 /// Samples without weight: at vertices, and where edges leave the sphere.
-const NO_VERTEX: Block =
+const NO_VERTEX: SampleBlock =
     [[f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
-const NO_EDGE: Block = [[0.0; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES], [0.0; LANES]];
+pub(super) const NO_EDGE: Sample = [0.0, f64::NEG_INFINITY, 0.0, 0.0];
 
 /// Weighted sums over samples a = C − C(v), b = Ĉ − Ĉ(v).
 #[derive(Default)]
@@ -41,31 +42,29 @@ pub(super) struct Moments {
 }
 
 impl Samples {
-    pub(super) fn clear(&mut self) {
+    /// Makes room for samples at so many vertices.
+    #[inline(always)]
+    pub(super) fn start(&mut self, inside: usize) {
+        self.inside = inside.div_ceil(LANES);
         self.blocks.clear();
+        self.blocks.resize(self.inside, NO_VERTEX);
     }
 
-    /// Takes a sample from each item, all at vertices. `first` of them were taken before.
-    #[inline]
-    pub(super) fn extend_inside<T>(
-        &mut self,
-        first: usize,
-        items: &[T],
-        sample: impl Fn(&T) -> Sample,
-    ) {
-        self.blocks.resize((first + items.len()).div_ceil(LANES), NO_VERTEX);
-        self.inside = self.blocks.len();
-        write(&mut self.blocks, first, items, sample);
+    /// Sets one of the samples at vertices.
+    #[inline(always)]
+    pub(super) fn set_inside(&mut self, index: usize, sample: Sample) {
+        set(&mut self.blocks[index / LANES], index % LANES, sample);
     }
 
-    /// Takes a sample from each item, all where edges leave the sphere, after those at vertices.
-    #[inline]
-    pub(super) fn extend_leaving<T>(&mut self, items: &[T], sample: impl Fn(&T) -> Sample) {
-        self.blocks.resize(self.inside + items.len().div_ceil(LANES), NO_EDGE);
-        write(&mut self.blocks[self.inside..], 0, items, sample);
+    /// The blocks of so many samples where edges leave the sphere, to be filled.
+    #[inline(always)]
+    pub(super) fn leaving(&mut self, count: usize) -> &mut [SampleBlock] {
+        self.blocks.resize(self.inside + count.div_ceil(LANES), NO_VERTEX);
+        &mut self.blocks[self.inside..]
     }
 
     /// Weighted sums over all samples.
+    #[inline(always)]
     pub(super) fn moments(&self) -> Moments {
         let mut moments = Moments::default();
         let (inside, leaving) = self.blocks.split_at(self.inside);
@@ -89,17 +88,14 @@ fn weights(exponents: &[f64; LANES]) -> [f64; LANES] {
     weights
 }
 
+/// Sets one lane.
 #[inline(always)]
-fn write<T>(blocks: &mut [Block], first: usize, items: &[T], sample: impl Fn(&T) -> Sample) {
-    for (index, item) in (first..).zip(items) {
-        let [w1, w2, a, b] = &mut blocks[index / LANES];
-        let lane = index % LANES;
-        [w1[lane], w2[lane], a[lane], b[lane]] = sample(item);
-    }
+pub(super) fn set([w1, w2, a, b]: &mut SampleBlock, lane: usize, sample: Sample) {
+    [w1[lane], w2[lane], a[lane], b[lane]] = sample;
 }
 
 impl Moments {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, a: &[f64; LANES], b: &[f64; LANES], w1: &[f64; LANES], w2: &[f64; LANES]) {
         for lane in 0..LANES {
             let (a, b, w1, w2) = (a[lane], b[lane], w1[lane], w2[lane]);

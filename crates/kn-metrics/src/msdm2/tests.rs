@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use super::direction::Scratch;
+use super::machine::Baseline;
 use super::*;
 use crate::vec3::distance_squared;
 
@@ -257,14 +258,13 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
     for row in &rows {
         let vertex = row[0] as usize;
-        let mean = direction.local(vertex, &mut scratch);
+        let mean = direction.local(Baseline, vertex, &mut scratch);
         assert!(near(mean, row[17]), "vertex {vertex}: {mean} instead of {}", row[17]);
         for level in 0..DEFAULT_LEVELS {
             let stage = &row[5 + 4 * level..];
-            let record = direction.record(vertex, level);
-            assert!(near(record.own, stage[0]), "vertex {vertex}, level {level}");
-            assert!(near(record.other, stage[1]), "vertex {vertex}, level {level}");
-            direction.sample(vertex, level, &mut scratch);
+            let [own, other] = direction.record(vertex, level).curvatures();
+            assert!(near(own, stage[0]), "vertex {vertex}, level {level}");
+            assert!(near(other, stage[1]), "vertex {vertex}, level {level}");
             let count = scratch.count(level);
             assert_eq!(count, stage[2] as usize, "vertex {vertex}, level {level}");
         }

@@ -1,8 +1,8 @@
 //! Edges and neighbours of a triangle mesh, with what each edge adds to a curvature tensor.
 
-use glam::Vec4;
-
-use crate::vec3::{Vec3, cross, dot, length, scale, sub};
+use super::machine::{LANES, Machine};
+use crate::lanes::lanes;
+use crate::vec3::{Vec3, cross, dot, length, length_squared, scale, sub};
 
 /// The upper triangle of a symmetric matrix: xx, xy, xz, yy, yz, zz.
 pub(super) type Symmetric = [f64; 6];
@@ -14,22 +14,21 @@ pub(super) struct Neighbour {
     pub(super) edge: u32,
 }
 
-/// Neighbours of a block: enough for nearly all vertices, and two vectors of four.
-const LANES: usize = 8;
-
-/// Up to eight neighbours of a vertex.
+/// Up to eight neighbours of a vertex: enough for nearly all vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    /// The edges as vectors in units of the box's side, one coordinate of four lanes at a time, in
+    /// The edges as vectors in units of the box's side, one coordinate after the other, in
     /// binary32. Not a number where there is no neighbour.
-    along: [[Vec4; 3]; 2],
+    along: [[f32; LANES]; 3],
+    /// Their squared lengths.
+    squares: [f32; LANES],
     /// The largest coordinate of all edges.
     longest: f32,
-    neighbours: [Neighbour; LANES],
+    /// Whose neighbours these are.
+    from: u32,
+    pub(super) vertices: [u32; LANES],
+    edges: [u32; LANES],
 }
-
-/// A number for each lane of a block.
-pub(super) struct Lanes(Vec4, Vec4);
 
 /// Who is next to whom.
 #[derive(Clone, Debug)]
@@ -81,32 +80,48 @@ impl Topology {
         Self { starts, to_unit, blocks, tensors }
     }
 
-    #[inline]
-    pub(super) fn blocks(&self, vertex: usize) -> &[Block] {
-        &self.blocks[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    /// A vertex's blocks and their indices.
+    #[inline(always)]
+    pub(super) fn blocks(&self, vertex: usize) -> impl Iterator<Item = (usize, &Block)> {
+        let (start, end) = (self.starts[vertex] as usize, self.starts[vertex + 1] as usize);
+        (start..).zip(&self.blocks[start..end])
+    }
+
+    /// The two ends of an edge, given eight times its block's index plus its lane.
+    #[inline(always)]
+    pub(super) fn ends(&self, slot: u32) -> [usize; 2] {
+        let block = &self.blocks[slot as usize / LANES];
+        [block.from as usize, block.vertices[slot as usize % LANES] as usize]
     }
 
     pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
-        let used = |block: &Block| block.neighbours.into_iter().take(block.count());
-        self.blocks(vertex).iter().flat_map(used)
+        self.blocks(vertex)
+            .flat_map(|(_, block)| lanes(block.present()).map(|lane| block.neighbour(lane)))
     }
 
     pub(super) fn is_isolated(&self, vertex: usize) -> bool {
-        self.blocks(vertex).is_empty()
+        self.starts[vertex] == self.starts[vertex + 1]
     }
 }
 
 impl Block {
-    /// One to eight neighbours of a vertex at `start`.
-    fn new(positions: &[Vec3], to_unit: f64, start: Vec3, neighbours: &[Neighbour]) -> Self {
-        let mut block =
-            Self { along: [[Vec4::NAN; 3]; 2], longest: 0.0, neighbours: [neighbours[0]; LANES] };
+    /// One to eight neighbours of a vertex.
+    fn new(positions: &[Vec3], to_unit: f64, from: usize, neighbours: &[Neighbour]) -> Self {
+        let mut block = Self {
+            along: [[f32::NAN; LANES]; 3],
+            squares: [f32::NAN; LANES],
+            longest: 0.0,
+            from: from as u32,
+            vertices: [neighbours[0].vertex; LANES],
+            edges: [neighbours[0].edge; LANES],
+        };
         for (lane, &neighbour) in neighbours.iter().enumerate() {
-            let along = sub(positions[neighbour.vertex as usize], start);
-            block.neighbours[lane] = neighbour;
+            let along = scale(sub(positions[neighbour.vertex as usize], positions[from]), to_unit);
+            (block.vertices[lane], block.edges[lane]) = (neighbour.vertex, neighbour.edge);
+            block.squares[lane] = length_squared(along) as f32;
             for axis in 0..3 {
-                let along = (along[axis] * to_unit) as f32;
-                block.along[lane / 4][axis][lane % 4] = along;
+                let along = along[axis] as f32;
+                block.along[axis][lane] = along;
                 block.longest = block.longest.max(along.abs());
             }
         }
@@ -115,48 +130,33 @@ impl Block {
 
     /// A bit for each neighbour.
     pub(super) fn present(&self) -> u8 {
-        Lanes(self.along[0][0], self.along[1][0]).above(f32::NEG_INFINITY)
-    }
-
-    fn count(&self) -> usize {
-        self.present().count_ones() as usize
-    }
-
-    /// A bit for each neighbour whose edge leads along `offset`, in the blocks' units: for those
-    /// where this is sure, and for those where it may be so.
-    #[inline]
-    pub(super) fn ahead(&self, [x, y, z]: [f32; 3]) -> (u8, u8) {
-        let product = |along: &[Vec4; 3]| along[0] * x + along[1] * y + along[2] * z;
-        let products = Lanes(product(&self.along[0]), product(&self.along[1]));
-        // Rounding moves a product by less than a third of this. Zero is never sure.
-        let reach = x.abs() + y.abs() + z.abs();
-        let slack = 1e-6 * self.longest * reach + f32::MIN_POSITIVE;
-        (products.above(slack), products.above(-slack))
-    }
-
-    /// Squared distances of all neighbours from a point at −`offset`, in the blocks' units.
-    #[inline]
-    pub(super) fn distances_squared(&self, [x, y, z]: [f32; 3]) -> Lanes {
-        let square = |along: &[Vec4; 3]| {
-            let (x, y, z) = (along[0] + x, along[1] + y, along[2] + z);
-            x * x + y * y + z * z
-        };
-        Lanes(square(&self.along[0]), square(&self.along[1]))
+        (0..LANES).map(|lane| u8::from(!self.squares[lane].is_nan()) << lane).sum()
     }
 
     /// The neighbour of a lane below eight.
-    #[inline]
+    #[inline(always)]
     pub(super) fn neighbour(&self, lane: usize) -> Neighbour {
-        self.neighbours[lane % LANES]
+        Neighbour { vertex: self.vertices[lane % LANES], edge: self.edges[lane % LANES] }
     }
-}
 
-impl Lanes {
-    /// A bit for each lane above a limit; none for one that is not a number.
-    #[inline]
-    pub(super) fn above(&self, limit: f32) -> u8 {
-        let limit = Vec4::splat(limit);
-        (self.0.cmpgt(limit).bitmask() | self.1.cmpgt(limit).bitmask() << (LANES / 2)) as u8
+    /// All edges, each times the vector to its start, in the blocks' units; and by how much less
+    /// than that rounding moves such a product.
+    #[inline(always)]
+    pub(super) fn products<M: Machine>(&self, machine: M, to: [f32; 3]) -> (M::Numbers, f32) {
+        let mut products = machine.splat(0.0);
+        for axis in 0..3 {
+            let along = machine.load(&self.along[axis]);
+            products = machine.add(products, machine.mul(along, machine.splat(to[axis])));
+        }
+        let reach = to[0].abs() + to[1].abs() + to[2].abs();
+        (products, 1e-6 * self.longest * reach + f32::MIN_POSITIVE)
+    }
+
+    /// How much farther the neighbours are than the edges' start, in squared distances and in the
+    /// blocks' units, given the products with the vector to that start.
+    #[inline(always)]
+    pub(super) fn gains<M: Machine>(&self, machine: M, products: M::Numbers) -> M::Numbers {
+        machine.add(machine.load(&self.squares), machine.add(products, products))
     }
 }
 
@@ -172,7 +172,7 @@ fn blocks_of(
     block_starts.push(0);
     for (vertex, range) in starts.windows(2).enumerate() {
         for some in neighbours[range[0] as usize..range[1] as usize].chunks(LANES) {
-            blocks.push(Block::new(positions, to_unit, positions[vertex], some));
+            blocks.push(Block::new(positions, to_unit, vertex, some));
         }
         block_starts.push(blocks.len() as u32);
     }
