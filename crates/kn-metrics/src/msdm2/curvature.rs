@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::eigenvalues::eigenvalues;
-use super::flood::{Flood, Spheres, Step, clip, clip_special};
-use super::machine::{Machine, Task, dispatch};
+use super::eigenvalues::mean_absolute;
+use super::flood::{Flood, SMALLEST_PART, Spheres, Step, clip_special, parts};
+use super::machine::{Machine, QUAD, Quad, Task, dispatch, dot};
 use super::topology::{Symmetric, Topology};
 use crate::lanes::lanes;
-use crate::vec3::{Vec3, length, length_squared, sub};
+use crate::vec3::{Vec3, length, sub};
 
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 256;
@@ -25,18 +25,69 @@ pub(super) struct Ring {
 
 /// `#V` rings.
 pub(super) fn rings(topology: &Topology, positions: &[Vec3]) -> Vec<Ring> {
-    let ring = |vertex: usize| {
-        let (mut sum, mut shortest_edge) = ([0.0; 6], f64::INFINITY);
-        for to in topology.neighbours(vertex) {
-            let length = length(sub(positions[to.vertex as usize], positions[vertex]));
-            shortest_edge = length.min(shortest_edge);
-            for (sum, entry) in sum.iter_mut().zip(&topology.tensors[to.edge as usize]) {
-                *sum += entry / length;
+    let mut rings = vec![Ring { shortest_edge: 0.0, curvature: 0.0 }; positions.len()];
+    rings.par_chunks_mut(CHUNK).enumerate().for_each_init(Vec::new, |tensors, (chunk, out)| {
+        dispatch(Rings { topology, positions, tensors, first: chunk * CHUNK, out });
+    });
+    rings
+}
+
+/// A chunk of rings.
+struct Rings<'a> {
+    topology: &'a Topology,
+    positions: &'a [Vec3],
+    tensors: &'a mut Vec<Symmetric>,
+    first: usize,
+    out: &'a mut [Ring],
+}
+
+impl Task for Rings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<M: Machine>(self, machine: M) {
+        let Self { topology, positions, tensors, first, out } = self;
+        tensors.clear();
+        for (vertex, ring) in (first..).zip(out.iter_mut()) {
+            let (mut sum, mut shortest_edge) = ([[0.0; 4]; 2], f64::INFINITY);
+            for to in topology.neighbours(vertex) {
+                let length = length(sub(positions[to.vertex as usize], positions[vertex]));
+                shortest_edge = length.min(shortest_edge);
+                add(&mut sum, 1.0 / length, &topology.tensors[to.edge as usize]);
             }
+            ring.shortest_edge = shortest_edge;
+            tensors.push(finite(sum));
         }
-        Ring { shortest_edge, curvature: mean_absolute(&sum) }
-    };
-    (0..positions.len()).into_par_iter().with_min_len(CHUNK).map(ring).collect()
+        for (four, out) in tensors.chunks(QUAD).zip(out.chunks_mut(QUAD)) {
+            let curvatures = mean_absolute(machine, fill(four));
+            out.iter_mut().zip(curvatures).for_each(|(ring, value)| ring.curvature = value);
+        }
+    }
+}
+
+/// Up to four tensors, filled up with the first one.
+#[inline(always)]
+fn fill(tensors: &[Symmetric]) -> [&Symmetric; QUAD] {
+    let mut four = [&tensors[0]; QUAD];
+    for (place, tensor) in four.iter_mut().zip(tensors) {
+        *place = tensor;
+    }
+    four
+}
+
+/// A tensor that is not finite counts as flat.
+#[inline(always)]
+fn finite(tensor: Symmetric) -> Symmetric {
+    if tensor.as_flattened().iter().all(|x| x.is_finite()) { tensor } else { [[0.0; 4]; 2] }
+}
+
+#[inline(always)]
+fn add(sum: &mut Symmetric, part: f64, tensor: &Symmetric) {
+    for (sum, row) in sum.iter_mut().zip(tensor) {
+        for (sum, entry) in sum.iter_mut().zip(row) {
+            *sum += part * entry;
+        }
+    }
 }
 
 /// `#V × levels` curvatures (kmax + |kmin|) / 2 in units of 1 / `side`: Lavoué 2011, section 3.
@@ -54,15 +105,34 @@ pub(super) fn curvature(
     let spheres = Spheres::new(radii.iter().copied(), topology);
     let kernel = Kernel { topology, rings, positions, side, radii, spheres };
     let mut curvature = vec![0.0; positions.len() * levels];
-    let scratch = || (Flood::new(positions.len(), levels), vec![[0.0; 6]; levels]);
     curvature.par_chunks_mut(CHUNK * levels).enumerate().for_each_init(
-        scratch,
-        |(flood, tensors), (chunk, out)| {
-            let chunk = Chunk { of: &kernel, flood, tensors, first: chunk * CHUNK, out };
-            dispatch(chunk);
+        || Scratch::new(positions.len(), levels),
+        |scratch, (chunk, out)| {
+            dispatch(Chunk { of: &kernel, scratch, first: chunk * CHUNK, out });
         },
     );
     curvature
+}
+
+/// Buffers of a thread.
+struct Scratch {
+    flood: Flood,
+    /// Per level.
+    sums: Vec<Symmetric>,
+    /// Tensors whose eigenvalues are still to be found, and which values of the chunk they are.
+    tensors: Vec<Symmetric>,
+    places: Vec<usize>,
+}
+
+impl Scratch {
+    fn new(vertex_count: usize, levels: usize) -> Self {
+        Self {
+            flood: Flood::new(vertex_count, levels),
+            sums: vec![[[0.0; 4]; 2]; levels],
+            tensors: Vec::new(),
+            places: Vec::new(),
+        }
+    }
 }
 
 /// What the curvature of a vertex depends on.
@@ -78,8 +148,7 @@ struct Kernel<'a> {
 /// A chunk of vertices.
 struct Chunk<'a> {
     of: &'a Kernel<'a>,
-    flood: &'a mut Flood,
-    tensors: &'a mut [Symmetric],
+    scratch: &'a mut Scratch,
     first: usize,
     out: &'a mut [f64],
 }
@@ -89,25 +158,36 @@ impl Task for Chunk<'_> {
 
     #[inline(always)]
     fn run<M: Machine>(self, machine: M) {
-        let Self { of, flood, tensors, first, out } = self;
-        for (vertex, out) in (first..).zip(out.chunks_exact_mut(of.radii.len())) {
-            of.vertex(machine, vertex, flood, tensors, out);
+        let Self { of, scratch, first, out } = self;
+        let levels = of.radii.len();
+        scratch.tensors.clear();
+        scratch.places.clear();
+        for (i, out) in out.chunks_exact_mut(levels).enumerate() {
+            of.vertex(machine, (first, i), scratch, out);
+        }
+        let Scratch { tensors, places, .. } = scratch;
+        for (four, places) in tensors.chunks(QUAD).zip(places.chunks(QUAD)) {
+            let curvatures = mean_absolute(machine, fill(four));
+            for (&place, curvature) in places.iter().zip(curvatures) {
+                let radius = of.radii[place % levels];
+                out[place] = of.side * curvature / (PI * radius * radius);
+            }
         }
     }
 }
 
 impl Kernel<'_> {
-    /// Curvature of a vertex at all levels.
+    /// Curvature of a vertex at the levels that its ring decides, and the tensors of the others.
     #[inline(always)]
     fn vertex<M: Machine>(
         &self,
         machine: M,
-        vertex: usize,
-        flood: &mut Flood,
-        tensors: &mut [Symmetric],
+        (first, i): (usize, usize),
+        scratch: &mut Scratch,
         out: &mut [f64],
     ) {
         let Self { topology, positions, side, radii, spheres, .. } = self;
+        let vertex = first + i;
         let ring = &self.rings[vertex];
         // Spheres that every edge leaves.
         let small = radii.iter().take_while(|&&radius| radius < ring.shortest_edge).count();
@@ -117,52 +197,84 @@ impl Kernel<'_> {
         if small == radii.len() {
             return;
         }
-        tensors.fill([0.0; 6]);
+        let Scratch { flood, sums, tensors, places } = scratch;
+        sums.fill([[0.0; 4]; 2]);
         flood.run(machine, topology, positions, vertex as u32, spheres, |step| {
             let step = Step { level: step.level.max(small), ..*step };
-            add_edges(tensors, &step, topology, (positions, vertex), spheres);
+            add_edges(machine, sums, &step, topology, positions, spheres);
         });
         for level in small..radii.len() {
-            let area = PI * radii[level] * radii[level];
-            out[level] = side * mean_absolute(&tensors[level]) / area;
+            tensors.push(finite(sums[level]));
+            places.push(i * radii.len() + level);
         }
     }
 }
 
 /// Adds the parts of some edges that are inside each sphere.
-#[inline]
-fn add_edges(
-    tensors: &mut [Symmetric],
+#[inline(always)]
+fn add_edges<M: Machine>(
+    machine: M,
+    sums: &mut [Symmetric],
     step: &Step<'_>,
     topology: &Topology,
-    (positions, centre): (&[Vec3], usize),
+    positions: &[Vec3],
     spheres: &Spheres,
 ) {
-    let start = positions[step.from as usize];
-    for lane in lanes(step.ahead.used) {
-        let to = step.block.neighbour(lane);
-        let along = sub(positions[to.vertex as usize], start);
-        let end_squared = length_squared(sub(positions[to.vertex as usize], positions[centre]));
-        let whole = &topology.tensors[to.edge as usize];
-        for level in step.level..tensors.len() {
-            let radius_squared = spheres.radii_squared[level];
-            let part = if end_squared > radius_squared || end_squared == 0.0 {
-                clip(step.offset, along, radius_squared).unwrap_or_else(|| clip_special(along))
-            } else {
-                1.0
-            };
-            for (sum, entry) in tensors[level].iter_mut().zip(whole) {
-                *sum += part * entry;
+    let used = step.ahead.used;
+    let ends = machine.compress(used, &step.block.vertices);
+    let edges = machine.compress(used, &step.block.edges);
+    for first in (0..used.count_ones() as usize).step_by(QUAD) {
+        let edges = &edges[first..used.count_ones() as usize];
+        let ends = &ends[first..first + QUAD];
+        let mut along = [[0.0; QUAD]; 3];
+        for lane in 0..QUAD {
+            let edge = sub(positions[ends[lane] as usize], positions[step.from as usize]);
+            (along[0][lane], along[1][lane], along[2][lane]) = (edge[0], edge[1], edge[2]);
+        }
+        let cut = Cut::new(machine, step.offset, &along);
+        for level in step.level..sums.len() {
+            let parts = cut.parts(machine, spheres.radii_squared[level]);
+            for (part, &edge) in parts.into_iter().zip(edges) {
+                add(&mut sums[level], part, &topology.tensors[edge as usize]);
             }
         }
     }
 }
 
-/// kmax and kmin are the two eigenvalues of largest absolute value; the third belongs to the normal.
-fn mean_absolute(tensor: &Symmetric) -> f64 {
-    if !tensor.iter().all(|entry| entry.is_finite()) {
-        return 0.0;
+/// Four edges from one point, to be cut at spheres: see [`parts`].
+struct Cut<M: Machine> {
+    along: [Quad<M>; 3],
+    a: Quad<M>,
+    b: Quad<M>,
+    /// The squared distance of the start from the centre.
+    start: Quad<M>,
+}
+
+impl<M: Machine> Cut<M> {
+    #[inline(always)]
+    fn new(machine: M, offset: Vec3, [x, y, z]: &[[f64; QUAD]; 3]) -> Self {
+        let along = [Quad::new(machine, x), Quad::new(machine, y), Quad::new(machine, z)];
+        let [x, y, z] = offset;
+        let [x, y, z] = [Quad::splat(machine, x), Quad::splat(machine, y), Quad::splat(machine, z)];
+        Self {
+            along,
+            a: dot(along, along),
+            b: dot([x, y, z], along),
+            start: dot([x, y, z], [x, y, z]),
+        }
     }
-    let [a, b, c] = eigenvalues(tensor).map(f64::abs);
-    0.5 * (a + b + c - a.min(b).min(c))
+
+    /// Which parts of the edges lie inside a sphere that holds their start.
+    #[inline(always)]
+    fn parts(&self, machine: M, radius_squared: f64) -> [f64; QUAD] {
+        let square = Quad::splat(machine, radius_squared);
+        let t = parts(self.a, self.b, self.start - square);
+        let special = t.not_from(SMALLEST_PART);
+        // An end that is inside is at t > 1.
+        let mut parts = t.least(Quad::splat(machine, 1.0)).array();
+        for lane in lanes(special) {
+            parts[lane] = clip_special(self.along.map(|along| along.array()[lane]));
+        }
+        parts
+    }
 }

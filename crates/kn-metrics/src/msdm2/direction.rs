@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::flood::{Flood, SMALLEST_PART, Spheres, clip_special};
+use super::exp::exp_of_negative;
+use super::flood::{Flood, Reached, SMALLEST_PART, Spheres, clip_special, parts};
 use super::list::List;
-use super::machine::{LANES, Machine, QUAD, Task, dispatch};
+use super::machine::{LANES, Machine, QUAD, Quad, Task, columns, dispatch, dot};
 use super::matching::opposite_areas;
-use super::statistics::{NO_EDGE, Sample, SampleBlock, Samples, set};
+use super::statistics::{Moments, Samples};
+use super::topology::Topology;
 use super::{Interpolation, Msdm2Direction, Msdm2Surface, radii};
 use crate::lanes::lanes;
 use crate::tree::Closest;
-use crate::vec3::{Vec3, length_squared, sub};
+use crate::vec3::{Vec3, length_squared, mul_add, sub};
 
 /// Radius of the statistics' neighbourhood over that of the curvature's sphere.
 const NEIGHBOURHOOD: f64 = 5.0;
@@ -94,17 +96,30 @@ impl<'a> Direction<'a> {
 
     /// The mean over the levels at one vertex.
     #[inline(always)]
-    pub(super) fn local<M: Machine>(&self, machine: M, vertex: usize, scratch: &mut Scratch) -> f64 {
+    pub(super) fn local<M: Machine>(
+        &self,
+        machine: M,
+        vertex: usize,
+        scratch: &mut Scratch,
+    ) -> f64 {
         if self.distorted.topology.is_isolated(vertex) {
             return 0.0;
         }
         self.flood(machine, vertex, scratch);
-        self.sample_inside(vertex, scratch);
         let mut sum = 0.0;
         for level in 0..self.levels {
-            self.sample_leaving(machine, vertex, level, scratch);
-            let [own, other] = self.records[level][vertex].curvatures();
-            sum += scratch.samples[level].moments().distance(own, other);
+            let records = &self.records[level][..];
+            let sphere = Sphere {
+                centre: records[vertex],
+                exponent: self.exponents[level],
+                radius_squared: self.spheres.radii_squared[level],
+            };
+            let mut moments = Moments::new(machine);
+            sphere.add_inside(machine, records, scratch.inside(level), &mut moments);
+            let edges = scratch.leaving[level].as_slice();
+            sphere.add_leaving(machine, records, (&self.distorted.topology, edges), &mut moments);
+            let [own, other] = sphere.centre.curvatures();
+            sum += moments.distance(own, other);
         }
         sum / self.levels as f64
     }
@@ -113,69 +128,17 @@ impl<'a> Direction<'a> {
     #[inline(always)]
     fn flood<M: Machine>(&self, machine: M, vertex: usize, scratch: &mut Scratch) {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
-        let Scratch { flood, leaving, .. } = scratch;
+        let Scratch { flood, leaving, inside, ends } = scratch;
         leaving.iter_mut().for_each(List::clear);
         flood.run(machine, topology, positions, vertex as u32, &self.spheres, |step| {
             for (leaving, &bits) in leaving.iter_mut().zip(&step.ahead.leaving) {
                 leaving.push_some(bits, machine.lanes_from(bits, (step.index * LANES) as u32));
             }
         });
-    }
-
-    /// The samples at the vertices of all spheres, after the flood.
-    #[inline(always)]
-    fn sample_inside(&self, vertex: usize, scratch: &mut Scratch) {
-        let Scratch { flood, samples, .. } = scratch;
-        let mut count = 0;
-        for (level, samples) in samples.iter_mut().enumerate() {
-            count += flood.reached(level).len();
-            samples.start(count);
-        }
-        let mut index = 0;
-        for first_level in 0..self.levels {
-            for reached in flood.reached(first_level) {
-                for level in first_level..self.levels {
-                    let records = &self.records[level];
-                    let (record, centre) = (&records[reached.vertex as usize], &records[vertex]);
-                    let sample =
-                        record.sample(centre, self.exponents[level], reached.distance_squared);
-                    samples[level].set_inside(index, sample);
-                }
-                index += 1;
-            }
-        }
-    }
-
-    /// The samples where edges leave the sphere of a level, after the flood.
-    #[inline(always)]
-    fn sample_leaving<M: Machine>(
-        &self,
-        machine: M,
-        vertex: usize,
-        level: usize,
-        scratch: &mut Scratch,
-    ) {
-        let Scratch { leaving, samples, .. } = scratch;
-        let records = &self.records[level][..];
-        let edges = leaving[level].as_slice();
-        let kernel = OnSphere {
-            centre: &records[vertex],
-            exponent: self.exponents[level],
-            radius_squared: self.spheres.radii_squared[level],
-        };
-        let blocks = samples[level].leaving(edges.len());
-        for (block, edges) in blocks.iter_mut().zip(edges.chunks(QUAD)) {
-            // The last block is filled up with its first edge.
-            let (mut from, mut to) = ([&records[vertex]; QUAD], [&records[vertex]; QUAD]);
-            for lane in 0..QUAD {
-                let slot = *edges.get(lane).unwrap_or(&edges[0]);
-                let ends = self.distorted.topology.ends(slot);
-                (from[lane], to[lane]) = (&records[ends[0]], &records[ends[1]]);
-            }
-            kernel.samples(machine, from, to, block);
-            if edges.len() < QUAD {
-                (edges.len()..QUAD).for_each(|lane| set(block, lane, NO_EDGE));
-            }
+        inside.clear();
+        for (level, end) in ends.iter_mut().enumerate() {
+            inside.extend_from_slice(flood.reached(level));
+            *end = inside.len();
         }
     }
 
@@ -186,113 +149,147 @@ impl<'a> Direction<'a> {
 }
 
 impl Record {
-    #[inline(always)]
-    fn own(&self) -> &[f64; 4] {
-        &self.own
-    }
-
-    #[inline(always)]
-    fn other(&self) -> &[f64; 4] {
-        &self.other
-    }
-
     /// The vertex's own curvature and the matched one.
     #[inline(always)]
     pub(super) fn curvatures(&self) -> [f64; 2] {
         [self.own[3], self.other[3]]
     }
-
-    #[inline(always)]
-    fn sample(&self, centre: &Self, exponent: f64, own_distance: f64) -> Sample {
-        let from_centre: [f64; 4] = std::array::from_fn(|i| self.other[i] - centre.other[i]);
-        let [x, y, z, other] = from_centre;
-        [
-            exponent * own_distance,
-            exponent * length_squared([x, y, z]),
-            self.own[3] - centre.own[3],
-            other,
-        ]
-    }
 }
 
-/// Each number of four records in a quad of its own.
-#[inline(always)]
-fn columns<M: Machine>(
-    machine: M,
-    [a, b, c, d]: [&Record; QUAD],
-    of: impl Fn(&Record) -> &[f64; 4],
-) -> [M::Quad; 4] {
-    machine.columns([of(a), of(b), of(c), of(d)])
-}
-
-/// The sphere of a level around a vertex, where edges are cut.
-struct OnSphere<'a> {
-    centre: &'a Record,
+/// The sphere of a level around a vertex.
+struct Sphere {
+    centre: Record,
+    /// Times a squared distance: the exponent of the Gaussian weight.
     exponent: f64,
     radius_squared: f64,
 }
 
-impl OnSphere<'_> {
+// Loops and not closures: see `machine`.
+impl Sphere {
+    /// Adds the samples at the vertices inside.
+    #[inline(always)]
+    fn add_inside<M: Machine>(
+        &self,
+        machine: M,
+        records: &[Record],
+        inside: &[Reached],
+        moments: &mut Moments<M>,
+    ) {
+        for four in inside.chunks(QUAD) {
+            // The last ones are filled up with their first vertex.
+            let (mut distances, mut at) = ([0.0; QUAD], [&self.centre; QUAD]);
+            for lane in 0..QUAD {
+                let reached = four.get(lane).unwrap_or(&four[0]);
+                distances[lane] = reached.distance_squared;
+                at[lane] = &records[reached.vertex as usize];
+            }
+            let own = self.relative(machine, own(machine, at), &self.centre.own);
+            let other = self.relative(machine, other(machine, at), &self.centre.other);
+            let [x, y, z, b] = other;
+            let w1 = exp_of_negative(machine, Quad::new(machine, &distances) * self.exponent);
+            let w2 = exp_of_negative(machine, dot([x, y, z], [x, y, z]) * self.exponent);
+            let mut samples = Samples { weights: [w1, w2], a: own[3], b };
+            if four.len() < QUAD {
+                samples.keep(machine, four.len());
+            }
+            moments.add(&samples);
+        }
+    }
+
+    /// Adds the samples where edges leave the sphere.
+    #[inline(always)]
+    fn add_leaving<M: Machine>(
+        &self,
+        machine: M,
+        records: &[Record],
+        (topology, edges): (&Topology, &[u32]),
+        moments: &mut Moments<M>,
+    ) {
+        for four in edges.chunks(QUAD) {
+            let (mut from, mut to) = ([&self.centre; QUAD], [&self.centre; QUAD]);
+            for lane in 0..QUAD {
+                let ends = topology.ends(*four.get(lane).unwrap_or(&four[0]));
+                (from[lane], to[lane]) = (&records[ends[0]], &records[ends[1]]);
+            }
+            let mut samples = self.on_edges(machine, from, to);
+            if four.len() < QUAD {
+                samples.keep(machine, four.len());
+            }
+            moments.add(&samples);
+        }
+    }
+
     /// The samples where four edges leave the sphere.
     #[inline(always)]
-    fn samples<M: Machine>(
+    fn on_edges<M: Machine>(
         &self,
-        m: M,
+        machine: M,
         from: [&Record; QUAD],
         to: [&Record; QUAD],
-        out: &mut SampleBlock,
-    ) {
-        // Loops and not closures: in a closure of its own nothing is compiled for this machine.
-        let (start, end) = (columns(m, from, Record::own), columns(m, to, Record::own));
-        let (mut offset, mut along) = (start, end);
-        for i in 0..4 {
-            offset[i] = m.minus(start[i], m.quad(self.centre.own[i]));
-            along[i] = m.minus(end[i], start[i]);
+    ) -> Samples<M> {
+        let (start, end) = (own(machine, from), own(machine, to));
+        let [x, y, z, a] = self.relative(machine, start, &self.centre.own);
+        let (offset, along) =
+            ([x, y, z], [end[0] - start[0], end[1] - start[1], end[2] - start[2]]);
+        let c = dot(offset, offset) - Quad::splat(machine, self.radius_squared);
+        let mut t = parts(dot(along, along), dot(offset, along), c);
+        let mut w1 = Quad::splat(machine, ON_SPHERE);
+        let special = t.not_from(SMALLEST_PART);
+        t = t.least(Quad::splat(machine, 1.0));
+        if special != 0 {
+            let (mut parts, mut weights) = (t.array(), w1.array());
+            for lane in lanes(special) {
+                (parts[lane], weights[lane]) = self.special(from[lane], to[lane]);
+            }
+            (t, w1) = (Quad::new(machine, &parts), Quad::new(machine, &weights));
         }
-        let [x, y, z, own] = offset;
-        let [dx, dy, dz, d_own] = along;
-        let t = self.parts(m, [x, y, z], [dx, dy, dz]);
-        let special = m.not_from(t, SMALLEST_PART);
-        let t = m.least(t, m.quad(1.0));
-        let own = m.plus(own, m.times(t, d_own));
-
-        let (start, end) = (columns(m, from, Record::other), columns(m, to, Record::other));
-        let mut matched = start;
-        for i in 0..4 {
-            let offset = m.minus(start[i], m.quad(self.centre.other[i]));
-            matched[i] = m.plus(offset, m.times(t, m.minus(end[i], start[i])));
-        }
-        let [x, y, z, other] = matched;
-        let exponent = m.times(m.quad(self.exponent), m.product([x, y, z], [x, y, z]));
-        *out = [[ON_SPHERE; QUAD], m.array(exponent), m.array(own), m.array(other)];
-        for lane in lanes(special) {
-            set(out, lane, self.special(from[lane], to[lane]));
-        }
+        let a = a + t * (end[3] - start[3]);
+        let (start, end) = (other(machine, from), other(machine, to));
+        let [x, y, z, b] = self.relative(machine, start, &self.centre.other);
+        let x = x + t * (end[0] - start[0]);
+        let y = y + t * (end[1] - start[1]);
+        let z = z + t * (end[2] - start[2]);
+        let b = b + t * (end[3] - start[3]);
+        let w2 = exp_of_negative(machine, dot([x, y, z], [x, y, z]) * self.exponent);
+        Samples { weights: [w1, w2], a, b }
     }
 
-    /// Which part of each edge lies inside.
     #[inline(always)]
-    fn parts<M: Machine>(&self, m: M, offset: [M::Quad; 3], along: [M::Quad; 3]) -> M::Quad {
-        let a = m.product(along, along);
-        let b = m.product(offset, along);
-        let c = m.minus(m.product(offset, offset), m.quad(self.radius_squared));
-        let root = m.root(m.minus(m.times(b, b), m.times(a, c)));
-        m.over(m.minus(root, b), a)
+    fn relative<M: Machine>(
+        &self,
+        machine: M,
+        [x, y, z, curvature]: [Quad<M>; 4],
+        centre: &[f64; 4],
+    ) -> [Quad<M>; 4] {
+        [
+            x - Quad::splat(machine, centre[0]),
+            y - Quad::splat(machine, centre[1]),
+            z - Quad::splat(machine, centre[2]),
+            curvature - Quad::splat(machine, centre[3]),
+        ]
     }
 
-    /// The sample of an edge whose part inside has no end on the sphere.
+    /// The part and the weight for an edge whose part inside has no end on the sphere.
     #[cold]
-    fn special(&self, from: &Record, to: &Record) -> Sample {
-        let [start, end] = [from, to].map(|record| [record.own[0], record.own[1], record.own[2]]);
-        let t = clip_special(sub(end, start));
-        let at_end = |from: &[f64; 4], to: &[f64; 4], centre: &[f64; 4]| -> [f64; 4] {
-            std::array::from_fn(|i| from[i] - centre[i] + t * (to[i] - from[i]))
-        };
-        let [x, y, z, own] = at_end(&from.own, &to.own, &self.centre.own);
-        let own_weight = libm::exp(self.exponent * length_squared([x, y, z]));
-        let [x, y, z, other] = at_end(&from.other, &to.other, &self.centre.other);
-        [own_weight, self.exponent * length_squared([x, y, z]), own, other]
+    fn special(&self, from: &Record, to: &Record) -> (f64, f64) {
+        let position = |record: &Record| [record.own[0], record.own[1], record.own[2]];
+        let along = sub(position(to), position(from));
+        let t = clip_special(along);
+        let offset = sub(position(from), position(&self.centre));
+        (t, libm::exp(self.exponent * length_squared(mul_add(offset, t, along))))
     }
+}
+
+/// The own positions and curvatures of four records.
+#[inline(always)]
+fn own<M: Machine>(machine: M, [a, b, c, d]: [&Record; QUAD]) -> [Quad<M>; 4] {
+    columns(machine, [&a.own, &b.own, &c.own, &d.own])
+}
+
+/// The matched positions and curvatures of four records.
+#[inline(always)]
+fn other<M: Machine>(machine: M, [a, b, c, d]: [&Record; QUAD]) -> [Quad<M>; 4] {
+    columns(machine, [&a.other, &b.other, &c.other, &d.other])
 }
 
 /// A chunk of vertices.
@@ -319,7 +316,9 @@ pub(super) struct Scratch {
     flood: Flood,
     /// Per level the edges that leave its sphere: eight times the index of a block, plus a lane.
     leaving: Vec<List<u32>>,
-    samples: Vec<Samples>,
+    /// The vertices of all spheres, the smallest sphere first, and where each level ends.
+    inside: Vec<Reached>,
+    ends: Vec<usize>,
 }
 
 impl Scratch {
@@ -327,14 +326,20 @@ impl Scratch {
         Self {
             flood: Flood::new(vertex_count, levels),
             leaving: vec![List::new(); levels],
-            samples: vec![Samples::default(); levels],
+            inside: Vec::new(),
+            ends: vec![0; levels],
         }
+    }
+
+    /// The vertices in the sphere of a level.
+    #[inline(always)]
+    fn inside(&self, level: usize) -> &[Reached] {
+        &self.inside[..self.ends[level]]
     }
 
     /// How many samples a level has.
     #[cfg(test)]
     pub(super) fn count(&self, level: usize) -> usize {
-        let inside: usize = (0..=level).map(|level| self.flood.reached(level).len()).sum();
-        inside + self.leaving[level].as_slice().len()
+        self.inside(level).len() + self.leaving[level].as_slice().len()
     }
 }

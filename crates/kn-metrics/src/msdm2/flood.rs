@@ -2,7 +2,7 @@
 
 use super::MAX_LEVELS;
 use super::list::List;
-use super::machine::Machine;
+use super::machine::{Machine, Quad};
 use super::topology::{Block, Topology};
 use crate::lanes::lanes;
 use crate::vec3::{Vec3, dot, length_squared, sub};
@@ -154,8 +154,12 @@ impl From {
     ) -> Ahead {
         let offset = self.offset.map(|x| (x * to_unit) as f32);
         let (products, slack) = block.products(machine, offset);
-        let used = machine.above(products, slack);
-        let maybe_used = machine.above(products, -slack);
+        // All edges of the centre itself are used, and only it is at no distance.
+        let (used, maybe_used) = if self.distance_squared == 0.0 {
+            (block.apart(machine), block.present)
+        } else {
+            (machine.above(products, slack), machine.above(products, -slack))
+        };
         let mut ahead = Ahead { used, ..Ahead::default() };
         let mut unsure = used ^ maybe_used;
         let gains = block.gains(machine, products);
@@ -170,14 +174,14 @@ impl From {
         if unsure == 0 { ahead } else { self.exactly_ahead(block, positions, spheres) }
     }
 
-    /// Decided in binary64. All edges of the centre itself are used, and only it is at no distance.
+    /// Decided in binary64.
     #[cold]
     fn exactly_ahead(&self, block: &Block, positions: &[Vec3], spheres: &Spheres) -> Ahead {
         let mut ahead = Ahead::default();
         let start = positions[self.vertex as usize];
-        for lane in lanes(block.present()) {
+        for lane in lanes(block.present) {
             let to = positions[block.vertices[lane] as usize];
-            if self.offset != [0.0; 3] && dot(sub(to, start), self.offset) <= 0.0 {
+            if self.distance_squared != 0.0 && dot(sub(to, start), self.offset) <= 0.0 {
                 continue;
             }
             ahead.used |= 1 << lane;
@@ -221,23 +225,19 @@ impl Spheres {
     }
 }
 
-/// The least part of an edge that [`clip`] takes for one.
+/// The least part of an edge that [`parts`] gives.
 pub(super) const SMALLEST_PART: f64 = 1e-16;
 
-/// Which part of an edge lies inside a sphere that it leaves: 0 < t ≤ 1. The edge starts inside at
-/// `offset` from the centre, `distance_squared` away. Nothing where the end of that part is not on
-/// the sphere: for an edge without length, and for one that starts on the sphere.
-#[inline]
-pub(super) fn clip(offset: Vec3, along: Vec3, radius_squared: f64) -> Option<f64> {
-    let a = length_squared(along);
-    let b = dot(offset, along);
-    let c = length_squared(offset) - radius_squared;
-    // c ≤ 0, since the edge starts inside: the root is real and not negative.
-    let t = ((b * b - a * c).sqrt() - b) / a;
-    (t >= SMALLEST_PART).then(|| t.min(1.0))
+/// Which parts of edges lie inside a sphere that holds their starts: above 1 where it holds the
+/// whole edge. With the edge `e` that starts at `o` from the centre: a = e², b = o·e, and c = o² − r²,
+/// which is not positive, so that the root is real. Below [`SMALLEST_PART`] or not a number for an
+/// edge without length and for one that starts on the sphere: see [`clip_special`].
+#[inline(always)]
+pub(super) fn parts<M: Machine>(a: Quad<M>, b: Quad<M>, c: Quad<M>) -> Quad<M> {
+    ((b * b - a * c).sqrt() - b) / a
 }
 
-/// What [`clip`] leaves open, as in the reference.
+/// The part of an edge that [`parts`] has none for, as in the reference.
 pub(super) fn clip_special(along: Vec3) -> f64 {
     if length_squared(along) == 0.0 { 1.0 } else { 0.01 }
 }

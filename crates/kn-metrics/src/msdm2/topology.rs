@@ -4,8 +4,8 @@ use super::machine::{LANES, Machine};
 use crate::lanes::lanes;
 use crate::vec3::{Vec3, cross, dot, length, length_squared, scale, sub};
 
-/// The upper triangle of a symmetric matrix: xx, xy, xz, yy, yz, zz.
-pub(super) type Symmetric = [f64; 6];
+/// The upper triangle of a symmetric matrix, filled up with zeros: xx, xy, xz, yy, and yz, zz, 0, 0.
+pub(super) type Symmetric = [[f64; 4]; 2];
 
 /// An edge as one of its vertices sees it.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +26,10 @@ pub(super) struct Block {
     longest: f32,
     /// Whose neighbours these are.
     from: u32,
+    /// A bit for each neighbour.
+    pub(super) present: u8,
     pub(super) vertices: [u32; LANES],
-    edges: [u32; LANES],
+    pub(super) edges: [u32; LANES],
 }
 
 /// Who is next to whom.
@@ -96,7 +98,7 @@ impl Topology {
 
     pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
         self.blocks(vertex)
-            .flat_map(|(_, block)| lanes(block.present()).map(|lane| block.neighbour(lane)))
+            .flat_map(|(_, block)| lanes(block.present).map(|lane| block.neighbour(lane)))
     }
 
     pub(super) fn is_isolated(&self, vertex: usize) -> bool {
@@ -112,6 +114,7 @@ impl Block {
             squares: [f32::NAN; LANES],
             longest: 0.0,
             from: from as u32,
+            present: u8::MAX >> (LANES - neighbours.len()),
             vertices: [neighbours[0].vertex; LANES],
             edges: [neighbours[0].edge; LANES],
         };
@@ -126,11 +129,6 @@ impl Block {
             }
         }
         block
-    }
-
-    /// A bit for each neighbour.
-    pub(super) fn present(&self) -> u8 {
-        (0..LANES).map(|lane| u8::from(!self.squares[lane].is_nan()) << lane).sum()
     }
 
     /// The neighbour of a lane below eight.
@@ -150,6 +148,12 @@ impl Block {
         }
         let reach = to[0].abs() + to[1].abs() + to[2].abs();
         (products, 1e-6 * self.longest * reach + f32::MIN_POSITIVE)
+    }
+
+    /// A bit for each neighbour that is surely elsewhere than the edges' start.
+    #[inline(always)]
+    pub(super) fn apart<M: Machine>(&self, machine: M) -> u8 {
+        machine.above(machine.load(&self.squares), f32::MIN_POSITIVE)
     }
 
     /// How much farther the neighbours are than the edges' start, in squared distances and in the
@@ -234,7 +238,7 @@ fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 
 /// What an edge between two faces adds if it lies inside the sphere as a whole.
 fn edge_tensor(around: &[Side], along: Vec3, normals: &[Vec3]) -> Symmetric {
-    let &[one, other] = around else { return [0.0; 6] };
+    let &[one, other] = around else { return [[0.0; 4]; 2] };
     // n1 is the face on the side of the half-edge that runs against `along`. Two faces that run
     // the same way, which a half-edge structure cannot hold, count in the order of their indices.
     let (first, second) = if one.forward && !other.forward { (other, one) } else { (one, other) };
@@ -242,5 +246,6 @@ fn edge_tensor(around: &[Side], along: Vec3, normals: &[Vec3]) -> Symmetric {
     let length = length(along);
     let angle = libm::asin(dot(cross(n1, n2), scale(along, 1.0 / length)).clamp(-1.0, 1.0));
     let [x, y, z] = along;
-    [x * x, x * y, x * z, y * y, y * z, z * z].map(|product| angle / length * product)
+    let rows = [[x * x, x * y, x * z, y * y], [y * z, z * z, 0.0, 0.0]];
+    rows.map(|row| row.map(|product| angle / length * product))
 }
