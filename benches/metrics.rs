@@ -1,6 +1,7 @@
 //! Speed of the metrics, and how it grows from 1 k to 100 k vertices.
 //!
-//! `cargo bench --bench metrics`; `-- growth` for the table in `docs/notes/metrics.md`.
+//! `cargo bench --bench metrics`; the table and the picture in `docs/` are from
+//! `cargo run --release --example metrics_growth`.
 
 use std::hint::black_box;
 
@@ -10,35 +11,12 @@ use kn_metrics::{
     p2s_of_vertices, point_distortion,
 };
 
-type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+#[path = "../examples/common/ring.rs"]
+mod ring;
 
-/// A wavy tube, closed to a ring, of about `vertices` vertices: as thin beside its box as a person
-/// is. `shift` moves the waves.
-fn wavy_ring(vertices: usize, shift: f64) -> Mesh {
-    let across = ((vertices as f64 / 8.0).sqrt() as u32).max(3);
-    let around = vertices as u32 / across;
-    let turn = |i: u32, n: u32| f64::from(i) / f64::from(n) * std::f64::consts::TAU;
-    let vertex = |index: u32| {
-        let (u, v) = (turn(index / across, around), turn(index % across, across));
-        let radius = 0.12 + 0.01 * (9.0 * u + 3.0 * v + shift).sin();
-        let ring = 0.8 + radius * v.cos();
-        [ring * u.cos(), ring * u.sin(), radius * v.sin()]
-    };
-    let quad = |index: u32| {
-        let (i, j) = (index / across, index % across);
-        let at = |i: u32, j: u32| (i % around) * across + j % across;
-        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-        [[a, b, c], [a, c, d]]
-    };
-    let count = around * across;
-    ((0..count).map(vertex).collect(), (0..count).flat_map(quad).collect())
-}
+use ring::{Shape, pair};
 
-fn pair(vertices: usize) -> (Mesh, Mesh) {
-    (wavy_ring(vertices, 0.0), wavy_ring(vertices * 97 / 100, 0.4))
-}
-
-fn symmetric(a: &Mesh, b: &Mesh) -> f64 {
+fn symmetric(a: &Shape, b: &Shape) -> f64 {
     let (a, b) = rayon::join(
         || Msdm2Surface::new(&a.0, &a.1, DEFAULT_LEVELS),
         || Msdm2Surface::new(&b.0, &b.1, DEFAULT_LEVELS),
@@ -49,7 +27,7 @@ fn symmetric(a: &Mesh, b: &Mesh) -> f64 {
 fn growth(c: &mut Criterion) {
     let mut group = c.benchmark_group("growth");
     group.sample_size(10);
-    for vertices in [1_000, 3_000, 10_000, 30_000, 100_000] {
+    for vertices in [1_000, 3_000, 10_000, 20_000, 40_000, 100_000] {
         let (a, b) = pair(vertices);
         group.throughput(Throughput::Elements(vertices as u64));
         group.bench_with_input(BenchmarkId::new("msdm2", vertices), &vertices, |bench, _| {
@@ -90,7 +68,7 @@ fn queries(c: &mut Criterion) {
 fn points(c: &mut Criterion) {
     let (a, b) = pair(20_000);
     let grid = Grid::new([-1.0; 3], [1.0; 3], 256).expect("a valid grid");
-    let cloud = |m: &Mesh| PointCloud::from_grid(&m.0, &m.1, &grid).expect("a valid mesh");
+    let cloud = |m: &Shape| PointCloud::from_grid(&m.0, &m.1, &grid).expect("a valid mesh");
     c.bench_function("d1d2_grid_256", |bench| {
         bench.iter(|| point_distortion(&cloud(black_box(&a)), &cloud(&b)));
     });

@@ -8,8 +8,7 @@ use serde_json::Value;
 use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Stdio;
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
@@ -242,21 +241,6 @@ fn a_closed_pipe_is_success() {
 #[test]
 fn an_interrupt_leaves_nothing_half_written() {
     let scans = Scans::new();
-    // Enough work that the interrupt comes in the middle: the frames again and again.
-    for index in FRAMES..60 {
-        let copy = scans.path(&format!("scan/f_{:02}.obj", index + 8));
-        fs::copy(scans.file(index % FRAMES), copy).expect("copied");
-    }
-    let mut child =
-        command(scans.encode("scan", &[])).stderr(Stdio::null()).spawn().expect("starts");
-    let folder = scans.path("scan").parent().map(Path::to_owned).expect("a folder");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while names_in(&folder).len() < 2 && Instant::now() < deadline {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    assert!(names_in(&folder).iter().any(|name| name.ends_with(".part")), "work has begun");
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.expect("kill runs").success());
-    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    scans.interrupt(scans.encode("scan", &[]));
     scans.assert_untouched();
 }

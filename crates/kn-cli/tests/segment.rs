@@ -135,3 +135,10 @@ fn nothing_is_left_of_a_command_that_fails() {
     scans.assert_untouched();
     assert_eq!(kn(scan_arguments(&scans, &[])).status.code(), Some(2), "no output was named");
 }
+
+#[test]
+fn an_interrupt_leaves_nothing_half_written() {
+    let scans = Scans::new();
+    scans.interrupt(scan_arguments(&scans, &["-o", &scans.text("labels")]));
+    scans.assert_untouched();
+}

@@ -8,8 +8,9 @@ use kn_mesh::performer::{Performer, PerformerConfig};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Frames of [`Scans::new`].
@@ -112,6 +113,29 @@ impl Scans {
 
     /// Asserts that only the scans are there.
     #[track_caller]
+    /// Runs a command on sixty frames and interrupts it once it has begun to write.
+    pub(crate) fn interrupt(&self, arguments: impl IntoIterator<Item = String>) {
+        // Enough work that the interrupt comes in the middle: the frames again and again.
+        for index in FRAMES..60 {
+            let copy = self.path(&format!("scan/f_{:02}.obj", index + 8));
+            fs::copy(self.file(index % FRAMES), copy).expect("copied");
+        }
+        let mut child = command(arguments).stderr(Stdio::null()).spawn().expect("starts");
+        let has_begun = || {
+            let folders = names_in(self.folder.path()).into_iter().map(|name| self.path(&name));
+            let inside = folders.filter(|path| path.is_dir()).flat_map(|path| names_in(&path));
+            names_in(self.folder.path()).into_iter().chain(inside).any(|n| n.ends_with(".part"))
+        };
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while !has_begun() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(has_begun(), "work has begun");
+        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        assert!(kill.expect("kill runs").success());
+        assert_eq!(child.wait().expect("ends").code(), Some(130));
+    }
+
     pub(crate) fn assert_untouched(&self) {
         assert_eq!(names_in(self.folder.path()), ["scan"]);
         let hidden = names_in(&self.path("scan")).into_iter().any(|name| name.starts_with('.'));
