@@ -23,10 +23,11 @@ const STRETCHED: f64 = 3.0;
 /// of its length: cloth stretches along the surface, a tear gapes.
 const GAP: f64 = 0.01;
 const GAPING: f64 = 0.25;
-/// A frame is not explained when the torn edges, side by side, are as long as this share of the
-/// diagonal: they cross a tear, and its length is the sum of theirs before. A hand that leaves the hip
-/// has 0.12 to 0.15, and is not worth an I-frame.
-const TEAR: f64 = 0.2;
+/// A frame is not explained when the torn edges span this share of the diagonal's square. They cross
+/// a tear: its length is the sum of theirs before, and what each has grown by is its width there. A
+/// hand that leaves the hip and a hem that leaves the thighs have 0.003 to 0.005, and are not worth an
+/// I-frame; a ball that is let go has 0.018.
+const TORN: f64 = 0.01;
 /// ... or when this share of the area of either mesh found no partner,
 const UNMATCHED: f64 = 0.05;
 /// (of a coarse mesh, that of so many vertices: more of its surface lies near a border)
@@ -129,20 +130,21 @@ impl Watch {
     fn torn(&self, outcome: &Outcome) -> Option<FitFailure> {
         let positions = &outcome.deformed.positions;
         let diagonal = outcome.target.diagonal;
-        let (mut sum, mut longest) = (0.0, (0.0, 0));
+        let (mut sum, mut area, mut longest) = (0.0, 0.0, (0.0, 0));
         for &(a, b, before) in &self.edges {
             let (from, to) = (positions[a as usize], positions[b as usize]);
             let now = distance(from, to);
             let stretched = now > STRETCHED * before && now - before > GAP * diagonal;
             if stretched && gap(outcome.target, scale(add(from, to), 0.5)) > GAPING * now {
                 sum += before;
+                area += before * (now - before);
                 if now > longest.0 {
                     longest = (now, a);
                 }
             }
         }
-        let length = sum / diagonal;
-        (length > TEAR).then_some(FitFailure::Torn { length, vertex: longest.1 })
+        let torn = FitFailure::Torn { length: sum / diagonal, vertex: longest.1 };
+        (area > TORN * diagonal * diagonal).then_some(torn)
     }
 
     fn unusual(&self, outcome: &Outcome) -> Option<FitFailure> {

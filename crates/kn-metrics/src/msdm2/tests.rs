@@ -217,6 +217,17 @@ fn threads_do_not_matter() {
     assert!(one == run(2) && one == run(8));
 }
 
+#[test]
+fn the_machine_does_not_matter() {
+    let (a, b) = (surface(&torus(60, 30, |_| 0.0)), surface(&torus(57, 31, |i| 0.01 * noise(i))));
+    let matches = matching::closest_faces(&a, &b.positions);
+    let direction = Direction::new(&b, &a, &matches, DEFAULT_LEVELS, Interpolation::AtVertex);
+    let mut scratch = Scratch::new(b.positions.len(), DEFAULT_LEVELS);
+    for (vertex, &local) in direction.evaluate().local.iter().enumerate() {
+        assert!(local == direction.local(Baseline, vertex, &mut scratch), "vertex {vertex}");
+    }
+}
+
 fn oracle() -> Option<PathBuf> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/oracle"));
     if !path.is_dir() {
