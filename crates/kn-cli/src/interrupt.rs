@@ -6,7 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Temporary files and folders that exist now.
-static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+static UNFINISHED: Mutex<Pending> = Mutex::new(Pending { temporary: Vec::new(), made: Vec::new() });
+
+/// What an interrupt removes.
+struct Pending {
+    temporary: Vec<PathBuf>,
+    /// Folders that were made for output, the innermost first, which go if they are empty.
+    made: Vec<PathBuf>,
+}
 
 /// Exit code of a process that was interrupted: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
@@ -16,7 +23,8 @@ pub(crate) fn install() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
         // The lock is kept until the end: nothing can be put in place or begun any more.
         let unfinished = lock();
-        unfinished.iter().for_each(|path| remove(path));
+        unfinished.temporary.iter().for_each(|path| remove(path));
+        unfinished.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
         std::process::exit(INTERRUPTED);
     })
     .context("cannot watch for interrupts")
@@ -34,7 +42,7 @@ impl Unfinished {
         let mut unfinished = lock();
         let created = create()?;
         let path = path_of(&created).to_owned();
-        unfinished.push(path.clone());
+        unfinished.temporary.push(path.clone());
         Ok((created, Self(path)))
     }
 
@@ -49,12 +57,47 @@ impl Unfinished {
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        lock().retain(|path| *path != self.0);
+        lock().temporary.retain(|path| *path != self.0);
     }
 }
 
-fn lock() -> MutexGuard<'static, Vec<PathBuf>> {
-    // A list of paths is whole even where a thread panicked while it held the lock.
+/// A folder for output; those of its ancestors that had to be made go again if they stay empty.
+pub(crate) struct MadeFolders {
+    folder: PathBuf,
+    /// The folder and its ancestors, as far as they did not exist; the innermost first.
+    made: Vec<PathBuf>,
+}
+
+impl MadeFolders {
+    pub(crate) fn create(folder: &Path) -> std::io::Result<Self> {
+        let mut unfinished = lock();
+        let exists = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let made: Vec<PathBuf> =
+            folder.ancestors().take_while(exists).map(Path::to_owned).collect();
+        unfinished.made.splice(0..0, made.iter().cloned());
+        drop(unfinished);
+        let folders = Self { folder: folder.to_owned(), made };
+        fs::create_dir_all(folder)?;
+        Ok(folders)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        let mut unfinished = lock();
+        // A folder that is not empty, or was never made, cannot be removed: that ends the way up.
+        let mut made = self.made.iter();
+        while made.next().is_some_and(|folder| fs::remove_dir(folder).is_ok()) {}
+        unfinished.made.retain(|folder| !self.made.contains(folder));
+    }
+}
+
+fn lock() -> MutexGuard<'static, Pending> {
+    // Lists of paths are whole even where a thread panicked while it held the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

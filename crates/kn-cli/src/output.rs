@@ -1,7 +1,7 @@
 //! Output that appears whole or not at all, whether the disk is full, the input is broken or the
 //! user presses Ctrl-C.
 
-use crate::interrupt::Unfinished;
+use crate::interrupt::{MadeFolders, Unfinished};
 use anyhow::{Context, Result};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -131,7 +131,7 @@ impl OutputFolder {
 
     /// Where the file of that name will be at the end.
     pub(crate) fn target(&self, name: &str) -> PathBuf {
-        self.made.folder.join(name)
+        self.made.folder().join(name)
     }
 
     /// Puts all files in place, over files of the same names, and returns their number.
@@ -139,37 +139,12 @@ impl OutputFolder {
         let Self { staging, unfinished, names, made } = self;
         unfinished.finish(|| {
             for name in &names {
-                let target = made.folder.join(name);
+                let target = made.folder().join(name);
                 fs::rename(staging.path().join(name), &target)
                     .with_context(|| target.display().to_string())?;
             }
             Ok(names.len())
         })
-    }
-}
-
-/// A folder for output; those of its ancestors that had to be made go again if they stay empty.
-struct MadeFolders {
-    folder: PathBuf,
-    /// How many of the folder and its ancestors did not exist.
-    missing: usize,
-}
-
-impl MadeFolders {
-    fn create(folder: &Path) -> io::Result<Self> {
-        let exists = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
-        let missing = folder.ancestors().take_while(exists).count();
-        let made = Self { folder: folder.to_owned(), missing };
-        fs::create_dir_all(folder)?;
-        Ok(made)
-    }
-}
-
-impl Drop for MadeFolders {
-    fn drop(&mut self) {
-        // A folder that is not empty, or was never made, cannot be removed: that ends the way up.
-        let mut made = self.folder.ancestors().take(self.missing);
-        while made.next().is_some_and(|folder| fs::remove_dir(folder).is_ok()) {}
     }
 }
 
