@@ -5,11 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Temporary files and folders that exist now.
+/// What is not finished now.
 static UNFINISHED: Mutex<Pending> = Mutex::new(Pending { temporary: Vec::new(), made: Vec::new() });
 
 /// What an interrupt removes.
 struct Pending {
+    /// Files and folders under temporary names.
     temporary: Vec<PathBuf>,
     /// Folders that were made for output, the innermost first, which go if they are empty.
     made: Vec<PathBuf>,
@@ -24,7 +25,7 @@ pub(crate) fn install() -> anyhow::Result<()> {
         // The lock is kept until the end: nothing can be put in place or begun any more.
         let unfinished = lock();
         unfinished.temporary.iter().for_each(|path| remove(path));
-        unfinished.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+        remove_empty(&unfinished.made);
         std::process::exit(INTERRUPTED);
     })
     .context("cannot watch for interrupts")
@@ -34,16 +35,17 @@ pub(crate) fn install() -> anyhow::Result<()> {
 pub(crate) struct Unfinished(PathBuf);
 
 impl Unfinished {
-    /// Begins with what `create` makes; an interrupt comes either before or after both.
+    /// Begins with what `create` makes; an interrupt comes either before or after both. What was made
+    /// must be dropped before this is.
     pub(crate) fn begin<T>(
         create: impl FnOnce() -> std::io::Result<T>,
         path_of: impl FnOnce(&T) -> &Path,
-    ) -> std::io::Result<(T, Self)> {
+    ) -> std::io::Result<(Self, T)> {
         let mut unfinished = lock();
         let created = create()?;
         let path = path_of(&created).to_owned();
         unfinished.temporary.push(path.clone());
-        Ok((created, Self(path)))
+        Ok((Self(path), created))
     }
 
     /// Puts what was made in place; an interrupt comes either before or after.
@@ -75,10 +77,11 @@ impl MadeFolders {
         let made: Vec<PathBuf> =
             folder.ancestors().take_while(exists).map(Path::to_owned).collect();
         unfinished.made.splice(0..0, made.iter().cloned());
-        drop(unfinished);
         let folders = Self { folder: folder.to_owned(), made };
-        fs::create_dir_all(folder)?;
-        Ok(folders)
+        let created = fs::create_dir_all(folder);
+        // What failed is undone under the lock's next holder.
+        drop(unfinished);
+        created.map(|()| folders)
     }
 
     pub(crate) fn folder(&self) -> &Path {
@@ -89,9 +92,7 @@ impl MadeFolders {
 impl Drop for MadeFolders {
     fn drop(&mut self) {
         let mut unfinished = lock();
-        // A folder that is not empty, or was never made, cannot be removed: that ends the way up.
-        let mut made = self.made.iter();
-        while made.next().is_some_and(|folder| fs::remove_dir(folder).is_ok()) {}
+        remove_empty(&self.made);
         unfinished.made.retain(|folder| !self.made.contains(folder));
     }
 }
@@ -99,6 +100,11 @@ impl Drop for MadeFolders {
 fn lock() -> MutexGuard<'static, Pending> {
     // Lists of paths are whole even where a thread panicked while it held the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes folders, the innermost first. One that is not empty, or was never made, cannot be.
+fn remove_empty(folders: &[PathBuf]) {
+    folders.iter().for_each(|folder| drop(fs::remove_dir(folder)));
 }
 
 /// Removes a file or a folder. The main thread may still be putting files into the folder, so that

@@ -28,11 +28,11 @@ pub(crate) fn write_file<T>(
         let file = fs::OpenOptions::new().write(true).open(path).with_context(|| named(path))?;
         return fill_and_flush(file, path, fill);
     }
-    let (temporary, unfinished) = Unfinished::begin(|| temporary_beside(path), |file| file.path())
+    let (unfinished, temporary) = Unfinished::begin(|| temporary_beside(path), |file| file.path())
         .with_context(|| named(path))?;
     let value = fill_and_flush(temporary.as_file(), path, fill)?;
-    let persisted = unfinished.finish(|| temporary.persist(path));
-    persisted.map_err(|failed| failed.error).with_context(|| named(path))?;
+    let persist = || temporary.persist(path).map_err(|failed| failed.error);
+    unfinished.finish(persist).with_context(|| named(path))?;
     Ok(value)
 }
 
@@ -118,7 +118,7 @@ impl OutputFolder {
         let made = MadeFolders::create(folder).with_context(name)?;
         let create = || temporary_name().tempdir_in(folder);
         let begun = Unfinished::begin(create, |staging| staging.path());
-        let (staging, unfinished) =
+        let (unfinished, staging) =
             begun.map_err(|error| io::Error::from(error.kind())).with_context(name)?;
         Ok(Self { staging, unfinished, names: Vec::new(), made })
     }
@@ -136,8 +136,10 @@ impl OutputFolder {
 
     /// Puts all files in place, over files of the same names, and returns their number.
     pub(crate) fn publish(self) -> Result<usize> {
-        let Self { staging, unfinished, names, made } = self;
+        // The folders are dropped last, when the temporary one is no longer in them.
+        let Self { made, staging, unfinished, names } = self;
         unfinished.finish(|| {
+            let staging = staging;
             for name in &names {
                 let target = made.folder().join(name);
                 fs::rename(staging.path().join(name), &target)

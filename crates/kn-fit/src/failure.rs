@@ -25,8 +25,7 @@ const GAP: f64 = 0.01;
 const GAPING: f64 = 0.25;
 /// A frame is not explained when the torn edges span this share of the diagonal's square. They cross
 /// a tear: its length is the sum of theirs before, and what each has grown by is its width there. A
-/// hand that leaves the hip and a hem that leaves the thighs have 0.003 to 0.005, and are not worth an
-/// I-frame; a ball that is let go has 0.018.
+/// hem that leaves the thighs had 0.005 and was not worth an I-frame, a ball that is let go 0.018.
 const TORN: f64 = 0.01;
 /// ... or when this share of the area of either mesh found no partner,
 const UNMATCHED: f64 = 0.05;
@@ -64,6 +63,8 @@ pub enum FitFailure {
     Torn {
         /// The length of the tear as a share of the diagonal of the target's box.
         length: f64,
+        /// The area that gapes as a share of the diagonal's square; what decides.
+        area: f64,
         /// A source vertex at its longest edge.
         vertex: u32,
     },
@@ -143,8 +144,8 @@ impl Watch {
                 }
             }
         }
-        let torn = FitFailure::Torn { length: sum / diagonal, vertex: longest.1 };
-        (area > TORN * diagonal * diagonal).then_some(torn)
+        let (length, area) = (sum / diagonal, area / (diagonal * diagonal));
+        (area > TORN).then_some(FitFailure::Torn { length, area, vertex: longest.1 })
     }
 
     fn unusual(&self, outcome: &Outcome) -> Option<FitFailure> {
@@ -268,10 +269,12 @@ impl std::fmt::Display for FitFailure {
                 "{:.1} % of the frame, around its vertex {vertex}, is not explained by the reference",
                 percent(share)
             ),
-            Self::Torn { length, vertex } => write!(
+            Self::Torn { length, area, vertex } => write!(
                 f,
-                "the reference comes apart around its vertex {vertex}, along {:.1} % of the diagonal",
-                percent(length)
+                "the reference comes apart around its vertex {vertex}, along {:.1} % of the diagonal \
+                 and by {:.1} % of its square",
+                percent(length),
+                percent(area)
             ),
             Self::Unmatched { share } => {
                 write!(f, "{:.1} % of the surface has no partner", percent(share))

@@ -34,6 +34,9 @@ pub const MAX_LEVELS: usize = 16;
 const FIRST_RADIUS: f64 = 0.002;
 const RADIUS_STEP: f64 = 0.001;
 
+/// Below this, fourth powers of edges leave binary64.
+const LEAST_SIDE: f64 = 1e-60;
+
 /// Why MSDM2 cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -41,7 +44,8 @@ pub enum Msdm2Error {
     /// The mesh has no faces, or indices or coordinates that cannot be used.
     #[error(transparent)]
     Mesh(#[from] TreeError),
-    /// All vertices of faces coincide: there is no length to measure curvature in.
+    /// All vertices of faces coincide, or are within 1e-60: there is no length to measure curvature
+    /// in.
     #[error("the mesh has no extent")]
     NoExtent,
     /// No level, or too many.
@@ -127,7 +131,7 @@ impl Msdm2Surface {
         }
         check(positions, faces)?;
         let side = longest_side(faces.iter().flatten().map(|&vertex| positions[vertex as usize]));
-        if side == 0.0 {
+        if side < LEAST_SIDE {
             return Err(Msdm2Error::NoExtent);
         }
         let (topology, tree) = rayon::join(

@@ -278,3 +278,33 @@ impl<M: Machine> Cut<M> {
         parts
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::machine::Baseline;
+    use super::super::{MAX_LEVELS, radii, tests::hard};
+    use super::*;
+
+    #[test]
+    fn the_machine_does_not_matter() {
+        let (positions, faces) = hard();
+        // Spheres of up to three edges.
+        let (side, radii) = (2.9, radii(8.0, MAX_LEVELS));
+        let topology = &Topology::new(&positions, &faces, side);
+        let found = rings(topology, &positions);
+        let mut baseline = vec![Ring { shortest_edge: 0.0, curvature: 0.0 }; positions.len()];
+        let (tensors, out) = (&mut Vec::new(), &mut baseline[..]);
+        Rings { topology, positions: &positions, tensors, first: 0, out }.run(Baseline);
+        for (a, b) in found.iter().zip(&baseline) {
+            assert!(a.shortest_edge == b.shortest_edge && a.curvature == b.curvature);
+        }
+        let curvature = curvature(topology, &found, &positions, side, &radii);
+        let spheres = Spheres::new(radii.iter().copied(), topology);
+        let positions = &positions[..];
+        let kernel = Kernel { topology, rings: &found, positions, side, radii: &radii, spheres };
+        let mut scratch = Scratch::new(positions.len(), MAX_LEVELS);
+        let mut baseline = vec![0.0; curvature.len()];
+        Chunk { of: &kernel, scratch: &mut scratch, first: 0, out: &mut baseline }.run(Baseline);
+        assert!(curvature == baseline && scratch.tensors.len() > positions.len(), "floods ran");
+    }
+}

@@ -93,9 +93,9 @@ impl Flood {
                 let distance_squared = length_squared(offset);
                 let level = spheres.level_of(distance_squared);
                 self.reached[level].push_if(true, Reached { vertex, distance_squared });
-                let from = From { vertex, origin, offset, distance_squared, level };
+                let start = Start { vertex, origin, offset, distance_squared, level };
                 for (index, block) in topology.blocks(vertex as usize) {
-                    let ahead = from.ahead(machine, block, topology.to_unit, positions, spheres);
+                    let ahead = start.ahead(machine, block, topology.to_unit, positions, spheres);
                     let inside = ahead.used & !ahead.leaving[spheres.last()];
                     self.found.push_some(inside, machine.compress(inside, &block.vertices));
                     visit(&Step { from: vertex, offset, level, index, block, ahead });
@@ -132,7 +132,7 @@ impl Flood {
 }
 
 /// A vertex inside the spheres of `level` and above.
-struct From {
+struct Start {
     vertex: u32,
     origin: Vec3,
     /// From the centre.
@@ -141,7 +141,7 @@ struct From {
     level: usize,
 }
 
-impl From {
+impl Start {
     /// Which edges lead away, and where to.
     #[inline(always)]
     fn ahead<M: Machine>(
@@ -164,6 +164,7 @@ impl From {
         let mut unsure = used ^ maybe_used;
         let gains = block.gains(machine, products);
         let distance_squared = self.distance_squared * to_unit * to_unit;
+        // For all levels, since a loop of changing length is mispredicted.
         for (level, [less, more]) in spheres.in_units.iter().enumerate() {
             let less = machine.above(gains, (less - distance_squared) as f32);
             let more = machine.above(gains, (more - distance_squared) as f32);
@@ -240,4 +241,49 @@ pub(super) fn parts<M: Machine>(a: Quad<M>, b: Quad<M>, c: Quad<M>) -> Quad<M> {
 /// The part of an edge that [`parts`] has none for, as in the reference.
 pub(super) fn clip_special(along: Vec3) -> f64 {
     if length_squared(along) == 0.0 { 1.0 } else { 0.01 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::machine::{Baseline, Task, dispatch};
+    use super::super::{radii, tests::hard};
+    use super::*;
+
+    /// Floods from all vertices; how many blocks were looked at.
+    struct Everywhere;
+
+    impl Task for Everywhere {
+        type Output = usize;
+
+        fn run<M: Machine>(self, machine: M) -> usize {
+            let (positions, faces) = hard();
+            let topology = Topology::new(&positions, &faces, 2.9);
+            let spheres = Spheres::new(radii(2.9, 16).into_iter().map(|r| 5.0 * r), &topology);
+            let mut flood = Flood::new(positions.len(), 16);
+            let mut blocks = 0;
+            for (centre, &origin) in positions.iter().enumerate() {
+                flood.run(machine, &topology, &positions, centre as u32, &spheres, |step| {
+                    let start = Start {
+                        vertex: step.from,
+                        origin,
+                        offset: step.offset,
+                        distance_squared: length_squared(step.offset),
+                        level: step.level,
+                    };
+                    let exact = start.exactly_ahead(step.block, &positions, &spheres);
+                    assert_eq!(step.ahead.used, exact.used);
+                    assert_eq!(step.ahead.leaving, exact.leaving);
+                    blocks += 1;
+                });
+            }
+            blocks
+        }
+    }
+
+    #[test]
+    fn binary32_decides_what_binary64_would() {
+        let blocks = Everywhere.run(Baseline);
+        assert!(blocks > 100_000, "{blocks}");
+        assert_eq!(dispatch(Everywhere), blocks);
+    }
 }

@@ -1,8 +1,8 @@
 //! The processor that runs: eight lanes of binary32, four of binary64, and lists of lanes.
 //!
 //! Kernels are written once, over [`Machine`], and compiled for what every processor of the target
-//! has and, on x86-64, for AVX2 and BMI as well; which of the two runs is asked of the processor.
-//! Nothing is fused or re-ordered, so that both give the same bits.
+//! has and, on x86-64, for AVX2, BMI and FMA as well (x86-64-v3); which of the two runs is asked of
+//! the processor. Nothing is fused or re-ordered, so that both give the same bits.
 //!
 //! What a kernel does with a machine must be inlined into it: a closure of its own is compiled
 //! for the processor that every target has, and each operation in it becomes a call.
@@ -37,7 +37,7 @@ pub(super) trait Machine: Copy {
     /// A bit for each lane above a limit; none for one that is not a number.
     fn above(self, a: Self::Numbers, limit: f32) -> u8;
 
-    /// The items whose bit is set, in their order; what stands behind them means nothing.
+    /// The items whose bit is set, in their order; behind them stands any of the items.
     fn compress(self, bits: u8, items: &[u32; LANES]) -> [u32; LANES];
 
     /// `first` plus each of the lanes whose bit is set, ascending; the rest means nothing.
@@ -135,7 +135,9 @@ mod tests {
         for set in 0..=255u8 {
             let items = [9, 8, 7, 6, 5, 4, 3, 2];
             let count = set.count_ones() as usize;
-            bits.extend(&machine.compress(set, &items)[..count]);
+            let picked = machine.compress(set, &items);
+            assert!(picked.iter().all(|item| items.contains(item)));
+            bits.extend(&picked[..count]);
             bits.extend(&machine.lanes_from(set, 1000)[..count]);
         }
     }

@@ -25,7 +25,7 @@ pub(super) struct Moments<M: Machine> {
 }
 
 impl<M: Machine> Samples<M> {
-    /// Takes the weight of all lanes but the first ones.
+    /// Sets the weights behind the first `lanes` to zero.
     #[inline(always)]
     pub(super) fn keep(&mut self, machine: M, lanes: usize) {
         let mut kept = [0.0; QUAD];

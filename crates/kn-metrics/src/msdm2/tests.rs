@@ -204,28 +204,55 @@ fn bad_input_is_named() {
     assert_eq!(error(&positions, &faces, 17), Msdm2Error::Levels { levels: 17 });
     assert_eq!(error(&positions, &[], 3), Msdm2Error::Mesh(TreeError::NoFaces));
     assert_eq!(error(&[[1.0; 3]; 3], &[[0, 1, 2]], 3), Msdm2Error::NoExtent);
+    let tiny: Vec<Vec3> = positions.iter().map(|p| p.map(|x| 1e-70 * x)).collect();
+    assert_eq!(error(&tiny, &faces, 3), Msdm2Error::NoExtent);
 }
 
 #[test]
 fn threads_do_not_matter() {
-    let (a, b) = (torus(60, 30, |_| 0.0), torus(57, 31, |i| 0.01 * noise(i)));
+    let (a, b) = (torus(80, 41, |_| 0.0), hard());
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let surface = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>)| {
+            Msdm2Surface::new(&mesh.0, &mesh.1, MAX_LEVELS).unwrap()
+        };
         pool.install(|| msdm2(&surface(&a), &surface(&b), Interpolation::AtVertex))
     };
     let one = run(1);
     assert!(one == run(2) && one == run(8));
 }
 
+/// A noisy torus with what floods find hard: a vertex with twenty neighbours, and two connected
+/// vertices at one place.
+pub(super) fn hard() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut positions, mut faces) = torus(90, 45, |i| 0.01 * noise(i));
+    let apex = positions.len() as u32;
+    positions.push([1.5, 0.0, 0.03]);
+    for i in 0..20 {
+        let turn = f64::from(i) * std::f64::consts::TAU / 20.0;
+        positions.push([1.5 + 0.03 * libm::cos(turn), 0.03 * libm::sin(turn), 0.0]);
+        faces.push([apex, apex + 1 + i, apex + 1 + (i + 1) % 20]);
+    }
+    positions.push(positions[7]);
+    faces.push([7, positions.len() as u32 - 1, 8]);
+    (positions, faces)
+}
+
 #[test]
 fn the_machine_does_not_matter() {
-    let (a, b) = (surface(&torus(60, 30, |_| 0.0)), surface(&torus(57, 31, |i| 0.01 * noise(i))));
+    let prepared = |(positions, faces): (Vec<Vec3>, Vec<[u32; 3]>)| {
+        Msdm2Surface::new(&positions, &faces, MAX_LEVELS).unwrap()
+    };
+    let (a, b) = (prepared(torus(80, 41, |_| 0.0)), prepared(hard()));
     let matches = matching::closest_faces(&a, &b.positions);
-    let direction = Direction::new(&b, &a, &matches, DEFAULT_LEVELS, Interpolation::AtVertex);
-    let mut scratch = Scratch::new(b.positions.len(), DEFAULT_LEVELS);
+    let direction = Direction::new(&b, &a, &matches, MAX_LEVELS, Interpolation::AtVertex);
+    let mut scratch = Scratch::new(b.positions.len(), MAX_LEVELS);
+    let mut samples = 0;
     for (vertex, &local) in direction.evaluate().local.iter().enumerate() {
         assert!(local == direction.local(Baseline, vertex, &mut scratch), "vertex {vertex}");
+        samples += scratch.count(MAX_LEVELS - 1);
     }
+    assert!(samples > 50 * b.positions.len(), "neighbourhoods of several waves");
 }
 
 fn oracle() -> Option<PathBuf> {

@@ -97,8 +97,10 @@ impl Topology {
     }
 
     pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = Neighbour> {
-        self.blocks(vertex)
-            .flat_map(|(_, block)| lanes(block.present).map(|lane| block.neighbour(lane)))
+        self.blocks(vertex).flat_map(|(_, block)| {
+            lanes(block.present)
+                .map(|lane| Neighbour { vertex: block.vertices[lane], edge: block.edges[lane] })
+        })
     }
 
     pub(super) fn is_isolated(&self, vertex: usize) -> bool {
@@ -131,14 +133,8 @@ impl Block {
         block
     }
 
-    /// The neighbour of a lane below eight.
-    #[inline(always)]
-    pub(super) fn neighbour(&self, lane: usize) -> Neighbour {
-        Neighbour { vertex: self.vertices[lane % LANES], edge: self.edges[lane % LANES] }
-    }
-
-    /// All edges, each times the vector to its start, in the blocks' units; and by how much less
-    /// than that rounding moves such a product.
+    /// All edges, each times the vector to its start, in the blocks' units; and a bound on what
+    /// rounding moves such a product by.
     #[inline(always)]
     pub(super) fn products<M: Machine>(&self, machine: M, to: [f32; 3]) -> (M::Numbers, f32) {
         let mut products = machine.splat(0.0);
