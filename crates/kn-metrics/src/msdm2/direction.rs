@@ -54,17 +54,22 @@ impl<'a> Direction<'a> {
     ) -> Self {
         let own = distorted.curvature(distorted.side, levels);
         let other = original.curvature(distorted.side, levels);
-        let record = |vertex: usize, level: usize| {
-            let (closest, position) = (&matches[vertex], distorted.positions[vertex]);
-            let weights = match interpolation {
+        let weights: Vec<Vec3> = matches
+            .par_iter()
+            .zip(&distorted.positions)
+            .with_min_len(CHUNK)
+            .map(|(closest, &position)| match interpolation {
                 Interpolation::AtVertex => opposite_areas(original, closest, position),
                 Interpolation::Projected => closest.barycentric,
-            };
+            })
+            .collect();
+        let record = |vertex: usize, level: usize| {
+            let (closest, weights) = (&matches[vertex], &weights[vertex]);
             let corners = original.faces[closest.face as usize];
             let at_corner = |i: usize| weights[i] * other[corners[i] as usize * levels + level];
             let with = |[x, y, z]: Vec3, curvature| [x, y, z, curvature];
             Record {
-                own: with(position, own[vertex * levels + level]),
+                own: with(distorted.positions[vertex], own[vertex * levels + level]),
                 other: with(closest.point, (0..3).map(at_corner).sum()),
             }
         };
