@@ -1,10 +1,13 @@
 //! How the metrics' CPU seconds grow with the meshes, as a table and as a picture:
 //! `cargo run --release --example metrics_growth -- [PLOT.svg [VERTICES…]]`.
 
+#[path = "common/clock.rs"]
+mod clock;
 #[path = "common/ring.rs"]
 mod ring;
 
 use anyhow::Result;
+use clock::cpu_seconds;
 use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2, p2s_of_vertices,
 };
@@ -66,16 +69,6 @@ fn least<T>(run: impl Fn() -> Result<T>) -> Result<f64> {
         least = least.min(used / f64::from(count));
     }
     Ok(least)
-}
-
-/// CPU seconds of all threads so far, from Linux's scheduler; not a number elsewhere.
-fn cpu_seconds() -> f64 {
-    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
-    let nanoseconds = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
-        text.split_ascii_whitespace().next()?.parse::<f64>().ok()
-    };
-    tasks.flatten().filter_map(nanoseconds).sum::<f64>() * 1e-9
 }
 
 /// Both axes logarithmic.

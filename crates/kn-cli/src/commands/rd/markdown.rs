@@ -2,7 +2,7 @@
 
 use super::config::Config;
 use super::curves::{self, Curve, Quality};
-use super::deltas::Delta;
+use super::deltas::{Delta, Found};
 use super::results::{CellRow, Share, Study};
 use std::fmt::Write;
 
@@ -53,16 +53,37 @@ fn deltas_table(
     codecs.dedup();
     for codec in codecs {
         let of_codec = deltas.iter().filter(|delta| delta.codec == codec);
-        let found: Vec<Option<f64>> = sequences
+        let found: Vec<Option<&&Delta>> = sequences
             .iter()
-            .map(|sequence| of_codec.clone().find(|delta| delta.sequence == *sequence)?.pchip())
+            .map(|sequence| of_codec.clone().find(|delta| delta.sequence == *sequence))
             .collect();
-        let known: Vec<f64> = found.iter().copied().flatten().collect();
-        let mean = (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64);
-        let cells = found.into_iter().chain([mean]).map(|value| number(value, 1));
-        line(text, format_args!("| {codec} | {} |", cells.collect::<Vec<_>>().join(" | ")));
+        let known: Vec<f64> = found.iter().flatten().filter_map(|delta| delta.pchip()).collect();
+        let cells = found.iter().map(|delta| delta.map_or_else(|| "–".into(), |delta| rate(delta)));
+        let cells: Vec<String> = cells.chain([mean(&known, sequences.len())]).collect();
+        line(text, format_args!("| {codec} | {} |", cells.join(" | ")));
     }
-    text.push('\n');
+    text.push_str(
+        "\nIn brackets: how much of their range two curves share, where that is less than 75 % and the \
+         value little to be trusted. –: nothing, or a single point is left.\n\n",
+    );
+}
+
+fn rate(delta: &Delta) -> String {
+    match delta.found {
+        Found::Rate { pchip, overlap, overlap_is_small: true, .. } => {
+            format!("{} ({:.0} %)", number(Some(pchip), 1), 100.0 * overlap)
+        }
+        _ => number(delta.pchip(), 1),
+    }
+}
+
+/// The mean of what is known of so many sequences.
+fn mean(known: &[f64], sequences: usize) -> String {
+    if known.is_empty() {
+        return "–".into();
+    }
+    let mean = number(Some(known.iter().sum::<f64>() / known.len() as f64), 1);
+    if known.len() == sequences { mean } else { format!("{mean} (of {})", known.len()) }
 }
 
 fn cells_table<'a>(
@@ -107,4 +128,32 @@ fn number(value: Option<f64>, digits: usize) -> String {
 fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     // Writing to a string cannot fail.
     let _ = writeln!(text, "{arguments}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delta_that_is_little_to_be_trusted_says_so() {
+        let delta = |overlap, overlap_is_small| Delta {
+            anchor: "a".into(),
+            codec: "b".into(),
+            sequence: "s".into(),
+            quality: Quality::Msdm2,
+            share: Share::Predicted,
+            found: Found::Rate {
+                pchip: -47.04,
+                cubic: None,
+                overlap,
+                dominated: (0, 0),
+                overlap_is_small,
+            },
+        };
+        assert_eq!(rate(&delta(0.095, true)), "-47.0 (10 %)");
+        assert_eq!(rate(&delta(0.8, false)), "-47.0");
+        assert_eq!(mean(&[1.0, 2.0], 2), "1.5");
+        assert_eq!(mean(&[1.0, 2.0], 6), "1.5 (of 2)");
+        assert_eq!(mean(&[], 6), "–");
+    }
 }

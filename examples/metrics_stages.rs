@@ -1,8 +1,12 @@
 //! What each stage of MSDM2 and the closest points cost, in CPU milliseconds, fastest of ten runs:
-//! `cargo run --release -p kn-metrics --example speed -- [REFERENCE OTHER]`.
+//! `cargo run --release --example metrics_stages -- [REFERENCE OTHER]`.
 //!
 //! Without arguments two frames of the performer are compared.
 
+#[path = "common/clock.rs"]
+mod clock;
+
+use clock::cpu_seconds;
 use std::error::Error;
 use std::time::Instant;
 
@@ -58,14 +62,4 @@ fn report<T>(name: &str, mut run: impl FnMut() -> T) -> T {
     let result = timed();
     println!("{name:<25} {:>8.1} {:>9.1}", 1e3 * cpu, 1e3 * wall);
     result
-}
-
-/// CPU seconds of all threads so far, from Linux's scheduler; not a number elsewhere.
-fn cpu_seconds() -> f64 {
-    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
-    let nanoseconds = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
-        text.split_ascii_whitespace().next()?.parse::<f64>().ok()
-    };
-    tasks.flatten().filter_map(nanoseconds).sum::<f64>() * 1e-9
 }
