@@ -1,9 +1,12 @@
 //! Times of the fit on the performer: preparing a target, a first frame, a following frame, all
-//! eight combinations.
+//! eight combinations, the node generator (which may take three first frames a group).
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kn_deform::{BindOptions, Combination, Influence, InfluenceMode, WeightScheme, bind};
-use kn_fit::{FitOptions, FitSource, FitTarget, Fitter, place_farthest};
+use kn_fit::{
+    FitError, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount, NodeSource,
+    RankBy, generate_nodes, place_farthest,
+};
 use kn_mesh::performer::{Performer, PerformerConfig};
 use std::hint::black_box;
 
@@ -14,15 +17,19 @@ fn fit(criterion: &mut Criterion) {
     let chosen = place_farthest(&positions, &source.faces, None, None, 150).expect("a figure");
     let grid: Vec<[i32; 3]> =
         positions.iter().map(|p| p.map(|c| (1000.0 * c).round() as i32)).collect();
-    let sites: Vec<[i32; 3]> = chosen.iter().map(|&v| grid[v as usize]).collect();
-    let options = BindOptions {
-        nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
-        mode: InfluenceMode::Fallback,
+    let bound = |chosen: &[u32]| -> Result<Influence, FitError> {
+        let sites: Vec<[i32; 3]> = chosen.iter().map(|&v| grid[v as usize]).collect();
+        let options = BindOptions {
+            nodes_per_vertex: 4,
+            weights: WeightScheme::Sumner,
+            mode: InfluenceMode::Fallback,
+        };
+        let regions = (vec![0; grid.len()], vec![0; sites.len()]);
+        let mut influence = Influence::default();
+        bind(&grid, &regions.0, &sites, &regions.1, &options, &mut influence)?;
+        Ok(influence)
     };
-    let mut influence = Influence::default();
-    let regions = (vec![0; grid.len()], vec![0; sites.len()]);
-    bind(&grid, &regions.0, &sites, &regions.1, &options, &mut influence).expect("nodes");
+    let influence = bound(&chosen).expect("nodes");
     let nodes: Vec<[f64; 3]> = chosen.iter().map(|&v| positions[v as usize]).collect();
     let affine: Vec<bool> = (0..nodes.len()).map(|node| node % 3 == 0).collect();
     let source = FitSource {
@@ -49,6 +56,19 @@ fn fit(criterion: &mut Criterion) {
     let mut fitter = Fitter::new(&source).expect("consistent");
     group.bench_function("next_frame", |b| {
         b.iter(|| fitter.fit_frame(&source, black_box(&prepared), &options));
+    });
+    let rigid = vec![false; positions.len()];
+    let places = NodeSource {
+        positions: &positions,
+        faces: source.faces,
+        regions: None,
+        affine: &rigid,
+        bind: &bound,
+    };
+    let generate =
+        GenerateOptions { count: NodeCount::Exactly(150), rank_by: RankBy::Distance, fit: options };
+    group.bench_function("generator", |b| {
+        b.iter(|| generate_nodes(&places, black_box(&prepared), &generate));
     });
     group.bench_function("eight_combinations", |b| {
         b.iter(|| {

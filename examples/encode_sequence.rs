@@ -35,7 +35,7 @@ fn main() -> Result<()> {
 /// Encodes frames as they come and tells what became of each; at most one group is held.
 fn encode<W: Write>(frames: impl Iterator<Item = Result<Mesh>>, writer: W) -> Result<W> {
     let mut frames = frames.peekable();
-    let mut config = EncoderConfig { nodes: 100, ..EncoderConfig::default() };
+    let mut config = EncoderConfig { nodes: 100.into(), ..EncoderConfig::default() };
     // The input is not read twice here, so the grid is laid over the first frame's box. Later
     // frames may leave it: integers on the grid are signed.
     let first_box = frames.peek().and_then(|first| first.as_ref().ok()?.bounding_box());

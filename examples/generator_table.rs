@@ -40,7 +40,7 @@ fn main() -> Result<()> {
                 let config = EncoderConfig {
                     grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
                     group_length: GROUP as u8,
-                    nodes,
+                    nodes: nodes.into(),
                     placement,
                     affine: AffineChoice::None,
                     ..without_choices()

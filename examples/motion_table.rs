@@ -75,7 +75,7 @@ fn main() -> Result<()> {
         let config = EncoderConfig {
             grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
             group_length: u8::try_from(frames.len())?,
-            nodes: setting.nodes,
+            nodes: setting.nodes.into(),
             affine: setting.affine.clone(),
             weights: setting.weights,
             placement: setting.placement,

@@ -18,7 +18,7 @@ struct Sound {
 }
 
 fn performers() -> Sound {
-    let config = EncoderConfig { group_length: 2, nodes: 12, ..small_config() };
+    let config = EncoderConfig { group_length: 2, nodes: 12.into(), ..small_config() };
     Sound { name: "performer".into(), bytes: encode(&performer(3, 1000), config) }
 }
 

@@ -5,7 +5,7 @@
 use std::io::Cursor;
 
 use kn_codec::{AffineChoice, CombinationChoice, Decoder, Encoder, EncoderConfig, GridChoice};
-use kn_codec::{LabelChoice, StepChoice};
+use kn_codec::{LabelChoice, NodeChoice, StepChoice};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
@@ -56,7 +56,10 @@ impl Case {
         EncoderConfig {
             grid: GridChoice::Bits { bits: 4 + self.bits % 17, bounds: None },
             group_length: 1 + self.group_length % 5,
-            nodes: 1 + usize::from(self.nodes % 24),
+            nodes: match 1 + usize::from(self.nodes % 24) {
+                most if self.nodes >= 192 => NodeChoice::Cost { most },
+                count => NodeChoice::Fixed(count),
+            },
             nodes_per_vertex: 1 + self.nodes_per_vertex % 8,
             fraction_bits: self.fraction_bits % 9,
             combination: match self.combination % 11 {

@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_codec::{
-    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodePlacement,
-    PartStart, Preset, SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodeChoice,
+    NodePlacement, PartStart, Preset, SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
@@ -110,15 +110,11 @@ pub(crate) enum NodeArgument {
     Auto,
 }
 
-/// The most nodes that `auto` takes.
-const MOST_NODES: usize = 512;
-
-impl NodeArgument {
-    /// The number, or its bound.
-    pub(crate) fn most(self) -> usize {
-        match self {
-            Self::Exactly(count) => count.into(),
-            Self::Auto => MOST_NODES,
+impl From<NodeArgument> for NodeChoice {
+    fn from(argument: NodeArgument) -> Self {
+        match argument {
+            NodeArgument::Exactly(count) => Self::Fixed(count.into()),
+            NodeArgument::Auto => Self::default(),
         }
     }
 }

@@ -33,7 +33,8 @@ pub(crate) struct Settings {
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
     #[arg(value_parser = choices::length)]
     iframe_error: Option<f64>,
-    /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: the preset's]
+    /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: auto, or what the
+    /// preset has]
     #[arg(long, value_name = "N|AUTO")]
     nodes: Option<NodeArgument>,
     /// Where key nodes are put [default: generated]
@@ -108,8 +109,7 @@ impl Settings {
         set(&mut config.group_length, self.gof);
         set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
         if let Some(nodes) = self.nodes {
-            config.nodes = nodes.most();
-            config.nodes_by_cost = nodes == NodeArgument::Auto;
+            config.nodes = nodes.into();
         }
         config.placement = self.placement.map_or(config.placement, Into::into);
         config.influence = self.influence.map_or(config.influence, Into::into);
@@ -191,7 +191,7 @@ mod tests {
         let table = "nodes = 40\ncombination = 'RTS'\nmotion_step = 0.5\naffine = 'all'\nbits = 9";
         let mut config = EncoderConfig::default();
         settings(table).expect("known").apply(&mut config, None);
-        assert_eq!((config.nodes, config.motion_step), (40, StepChoice::Fixed(0.5)));
+        assert_eq!((config.nodes, config.motion_step), (40.into(), StepChoice::Fixed(0.5)));
         assert_eq!(config.combination, Combination::new(true, true, false).into());
         assert_eq!(config.affine, kn_codec::AffineChoice::All);
         assert_eq!(config.grid, GridChoice::Bits { bits: 9, bounds: None });

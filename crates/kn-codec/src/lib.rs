@@ -19,7 +19,7 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern,
+    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern, NodeChoice,
     NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 

@@ -2,7 +2,7 @@
 
 use kn_codec::{
     AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, FrameReport, LabelChoice,
-    StepChoice,
+    NodeChoice, StepChoice,
 };
 use kn_deform::Combination;
 use kn_mesh::Mesh;
@@ -21,7 +21,7 @@ fn performer() -> Vec<Mesh> {
 fn config() -> EncoderConfig {
     EncoderConfig {
         group_length: 4,
-        nodes: 40,
+        nodes: 40.into(),
         labels: LabelChoice::Given,
         ..EncoderConfig::default()
     }
@@ -75,6 +75,22 @@ fn steps_by_cost_cost_no_more_than_usual_ones() {
         reports[0].cost.expect("chosen by cost").total
     };
     assert!(first_frame(StepChoice::Cost) <= first_frame(StepChoice::Fixed(2.0)));
+}
+
+#[test]
+fn as_many_nodes_as_pay() {
+    let moving = performer();
+    let still = [(); 4].map(|()| moving[0].clone());
+    let nodes = |frames: &[Mesh], lambda| {
+        let config = EncoderConfig { lambda, nodes: NodeChoice::default(), ..config() };
+        encode(frames, config).1[0].nodes
+    };
+    let (cheap, usual, dear) = (nodes(&moving, 1e-6), nodes(&moving, 3e-5), nodes(&moving, 1e-3));
+    assert!(cheap > usual && usual > dear && dear >= 1, "{cheap}, {usual}, {dear} nodes");
+    let (idle, usual) = (nodes(&still, 3e-5), usual);
+    assert!(idle < usual, "{idle} nodes for what rests, {usual} for what moves");
+    let few = EncoderConfig { nodes: NodeChoice::Cost { most: 7 }, ..config() };
+    assert!(encode(&moving, few).1[0].nodes <= 7);
 }
 
 #[test]

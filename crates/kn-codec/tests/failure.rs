@@ -22,7 +22,7 @@ fn performer(ball: bool) -> Vec<Mesh> {
 
 /// Encodes with all frames in one group, if they let it; checks that every frame decodes.
 fn encode(frames: &[Mesh]) -> Vec<FrameReport> {
-    let config = EncoderConfig { group_length: 16, nodes: 80, ..EncoderConfig::default() };
+    let config = EncoderConfig { group_length: 16, nodes: 80.into(), ..EncoderConfig::default() };
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     frames.iter().for_each(|frame| encoder.push(frame).expect("a sound frame"));
     let finished = encoder.finish().expect("a vector takes everything");

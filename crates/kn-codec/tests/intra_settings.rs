@@ -81,7 +81,7 @@ fn p_frames_deform_a_decimated_i_frame() {
         decimation: Some(Decimation::Share(0.25)),
         vertex_maps: true,
         group_length: 3,
-        nodes: 60,
+        nodes: 60.into(),
         ..EncoderConfig::default()
     };
     let (file, reports) = encode(config, &frames).expect("encoded");

@@ -36,8 +36,8 @@ pub enum NodeCount {
     Paying {
         /// The largest number.
         most: usize,
-        /// By how much a node must lower the mean squared distance to the key frame, in squared
-        /// units of the positions: its bytes over λ.
+        /// By which share the mean squared distance to the key frame must rise where a node goes and
+        /// its neighbours take over as they are.
         price: f64,
     },
 }
@@ -66,7 +66,7 @@ pub struct GenerateOptions {
 /// The dense set has this many nodes for each one that is wanted.
 const DENSITY: f64 = 1.15;
 /// Where the number is by cost, the dense set has one node for this many vertices.
-const VERTICES_PER_NODE: usize = 40;
+const VERTICES_PER_NODE: usize = 60;
 /// One round removes at most this share of the nodes.
 const REMOVED_SHARE: f64 = 0.3;
 /// The number by cost is found when less than this share goes in a round.

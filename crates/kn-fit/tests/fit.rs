@@ -205,7 +205,7 @@ fn generated_nodes_are_as_many_as_asked_for() {
         let count = NodeCount::Paying { most: 100, price };
         nodes(GenerateOptions { count, ..options }).expect("a frame that tracks").len()
     };
-    let (cheap, dear) = (paying(0.0), paying(1e-6));
+    let (cheap, dear) = (paying(0.0), paying(0.05));
     assert!(1 <= dear && dear < cheap && cheap <= 100, "{dear} dear nodes, {cheap} cheap ones");
 }
 

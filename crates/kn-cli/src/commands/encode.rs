@@ -15,7 +15,7 @@ use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
 use kn_codec::{
     AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
-    Preset, StepChoice, Summary,
+    NodeChoice, Preset, StepChoice, Summary,
 };
 use kn_fit::segment::check_labels;
 use kn_mesh::io::{Inputs, ReadOptions};
@@ -54,7 +54,7 @@ pub(crate) struct EncodeArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// The settings to start from; the flags below change them
-    #[arg(long, value_name = "NAME", default_value = "bimodal", value_parser = choices::preset())]
+    #[arg(long, value_name = "NAME", default_value = "default", value_parser = choices::preset())]
     preset: &'static Preset,
     #[command(flatten)]
     settings: Settings,
@@ -203,8 +203,8 @@ impl EncodeArguments {
             "lossless": self.lossless,
             "decimation": config.decimation.map(|decimation| format!("{decimation:?}")),
             "gof": config.group_length,
-            "nodes": config.nodes,
-            "nodes_by_cost": config.nodes_by_cost,
+            "nodes": config.nodes.most(),
+            "nodes_by_cost": matches!(config.nodes, NodeChoice::Cost { .. }),
             "placement": format!("{:?}", config.placement).to_lowercase(),
             "fps": self.fps.per_second(),
             "influence": format!("{:?}", config.influence).to_lowercase(),

@@ -105,6 +105,40 @@ pub enum StepChoice {
     Cost,
 }
 
+/// How many key nodes a group has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeChoice {
+    /// So many, 1 to 4096.
+    Fixed(usize),
+    /// In every group as many as lower J = D + λR of its key frame by their bytes; 150 where they are
+    /// spread evenly or no frame can be tracked.
+    Cost {
+        /// The largest number.
+        most: usize,
+    },
+}
+
+impl NodeChoice {
+    /// The largest number that a group can have.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Fixed(count) | Self::Cost { most: count } => count,
+        }
+    }
+}
+
+impl Default for NodeChoice {
+    fn default() -> Self {
+        Self::Cost { most: 512 }
+    }
+}
+
+impl From<usize> for NodeChoice {
+    fn from(count: usize) -> Self {
+        Self::Fixed(count)
+    }
+}
+
 /// Where key nodes are put.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NodePlacement {
@@ -162,11 +196,8 @@ pub struct EncoderConfig {
     pub labels: LabelChoice,
     /// Frames in a group of frames, 1 to 255.
     pub group_length: u8,
-    /// Key nodes in a group of frames, 1 to 4096.
-    pub nodes: usize,
-    /// Whether each group has only the nodes that pay for their bytes, at most `nodes`. They are
-    /// generated then.
-    pub nodes_by_cost: bool,
+    /// Key nodes in a group of frames.
+    pub nodes: NodeChoice,
     /// Where the nodes are put.
     pub placement: NodePlacement,
     /// Frames per second as numerator and denominator.
@@ -221,8 +252,7 @@ impl Default for EncoderConfig {
             vertex_maps: false,
             labels: LabelChoice::Auto,
             group_length: 8,
-            nodes: 150,
-            nodes_by_cost: false,
+            nodes: NodeChoice::default(),
             placement: NodePlacement::default(),
             frame_rate: (30, 1),
             unit: UnitOfLength::Unspecified,

@@ -18,7 +18,8 @@ mod translation;
 
 pub use config::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
-    LabelChoice, NamePattern, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
+    LabelChoice, NamePattern, NodeChoice, NodePlacement, SmoothingChoice, StepChoice,
+    TranslationChoice,
 };
 pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};

@@ -1,6 +1,8 @@
 //! The key nodes of a group of frames.
 
-use crate::encode::config::{AffineChoice, CombinationChoice, EncoderConfig, NodePlacement};
+use crate::encode::config::{
+    AffineChoice, CombinationChoice, EncoderConfig, NodeChoice, NodePlacement,
+};
 use crate::encode::scan::{Scans, distortion_slope};
 use crate::error::EncodeError;
 use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, LabelSet, NodeSites};
@@ -13,13 +15,16 @@ use kn_mesh::GridMesh;
 
 /// Where in its group the key frame is: later frames have drifted more, earlier ones moved less.
 const KEY_FRAME: f64 = 0.6;
-/// Bytes of a key node: its place, and its share of a P-frame.
+/// Bytes of a key node: its place, once a group, and its share of a P-frame.
 const PLACE_BYTES: f64 = 1.0;
-const MOTION_BYTES: f64 = 3.5;
+const MOTION_BYTES: f64 = 2.7;
 /// Bytes of the scales and shears of an affine node in a P-frame.
 const STRETCH_BYTES: f64 = 2.0;
-/// λ: bytes of a group that are worth one squared grid step of mean squared error.
-const LAMBDA: f64 = 1000.0;
+/// D of a P-frame for a rise of the mean squared distance by all of itself where a node is missing.
+/// The numbers that follow lie where J is least on six sequences (docs/notes/fit.md).
+const NODE_DISTORTION: f64 = 0.0045;
+/// Nodes where nothing says how many pay: they are spread evenly, or no frame can be tracked.
+const EVENLY: usize = 150;
 
 /// Chooses the key nodes of a group.
 pub(crate) struct NodeChooser<'a> {
@@ -81,7 +86,11 @@ impl<'a> NodeChooser<'a> {
 
     fn farthest(&self) -> Result<Vec<u32>, FitError> {
         let affine = self.affine_vertices();
-        let (faces, count) = (&self.intra.faces, self.config.nodes);
+        let faces = &self.intra.faces;
+        let count = match self.config.nodes {
+            NodeChoice::Fixed(count) => count,
+            NodeChoice::Cost { most } => most.min(EVENLY),
+        };
         place_farthest(&self.positions, faces, self.regions(), Some(&affine), count)
     }
 
@@ -152,11 +161,12 @@ impl<'a> NodeChooser<'a> {
     }
 
     fn count(&self, predicted: usize) -> NodeCount {
-        if self.config.nodes_by_cost {
-            let bytes = PLACE_BYTES + MOTION_BYTES * predicted as f64;
-            NodeCount::Paying { most: self.config.nodes, price: bytes / LAMBDA }
-        } else {
-            NodeCount::Exactly(self.config.nodes)
+        match self.config.nodes {
+            NodeChoice::Fixed(count) => NodeCount::Exactly(count),
+            NodeChoice::Cost { most } => {
+                let bytes = PLACE_BYTES / predicted.max(1) as f64 + MOTION_BYTES;
+                NodeCount::Paying { most, price: self.config.lambda * bytes / NODE_DISTORTION }
+            }
         }
     }
 

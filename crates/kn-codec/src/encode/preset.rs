@@ -2,8 +2,8 @@
 //! ablations.
 
 use crate::encode::config::{
-    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, StepChoice,
-    TranslationChoice,
+    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, NodeChoice,
+    StepChoice, TranslationChoice,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_fit::PartStart;
@@ -19,8 +19,13 @@ pub struct Preset {
 /// The only list of presets: a new one is a new entry here.
 const PRESETS: &[Preset] = &[
     Preset {
+        name: "default",
+        about: "bimodal with as many key nodes as pay for their bytes",
+        change: |config| config.nodes = NodeChoice::default(),
+    },
+    Preset {
         name: "bimodal",
-        about: "rigid nodes in the limbs, affine ones in the torso; components, steps and prediction \
+        about: "150 nodes, rigid in the limbs, affine in the torso; components, steps and prediction \
                 of translations at the least cost",
         change: |_| {},
     },
@@ -34,7 +39,7 @@ const PRESETS: &[Preset] = &[
             config.affine = AffineChoice::None;
             config.combination = Combination::RT.into();
             config.motion_step = StepChoice::Fixed(2.0);
-            config.nodes = 2 * EncoderConfig::default().nodes;
+            config.nodes = NodeChoice::Fixed(2 * NODES);
             config.weights = WeightScheme::Sumner;
             config.translation = TranslationChoice::Direct;
         },
@@ -117,6 +122,8 @@ const PRESETS: &[Preset] = &[
     },
 ];
 
+/// Key nodes of the paper's codec; the earlier one has twice as many.
+const NODES: usize = 150;
 /// σ in grid steps: about half the distance between two of 150 nodes on a figure of 2^11 steps.
 const GAUSSIAN_SIGMA: u32 = 64;
 
@@ -143,7 +150,8 @@ impl Preset {
 
     /// Its settings.
     pub fn config(&self) -> EncoderConfig {
-        let mut config = EncoderConfig::default();
+        let mut config =
+            EncoderConfig { nodes: NodeChoice::Fixed(NODES), ..EncoderConfig::default() };
         (self.change)(&mut config);
         config
     }
@@ -169,6 +177,6 @@ mod tests {
     #[test]
     fn the_baseline_is_rigid_with_twice_the_nodes() {
         let baseline = Preset::by_name("baseline").expect("in the list").config();
-        assert_eq!((baseline.nodes, baseline.affine), (300, AffineChoice::None));
+        assert_eq!((baseline.nodes, baseline.affine), (300.into(), AffineChoice::None));
     }
 }

@@ -1,8 +1,6 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{
-    Decimation, EncoderConfig, GridChoice, NodePlacement, SmoothingChoice, StepChoice,
-};
+use crate::encode::config::{Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
@@ -60,9 +58,7 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     require(header.fraction_bits <= 8, "more than 8 fraction bits")?;
     require(header.max_group_length > 0, "a group of frames has at least one frame")?;
     require((1..=8).contains(&header.nodes_per_vertex), "nodes per vertex are 1 to 8")?;
-    require(config.nodes > 0, "there must be a key node")?;
-    let evenly = config.placement == NodePlacement::Farthest;
-    require(!(config.nodes_by_cost && evenly), "nodes by cost are generated, not spread evenly")?;
+    require(config.nodes.most() > 0, "there must be a key node")?;
     if let SmoothingChoice::Strength(strength) = config.smoothing {
         require(strength <= kn_bitstream::MAX_SMOOTHING, "smoothing is 0 to 5")?;
     }
@@ -103,12 +99,12 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
     let fits = |level: &Level| {
         level.max_vertices as usize >= 2 * first.positions.len()
             && level.max_faces as usize >= 2 * first.faces.len()
-            && level.max_nodes as usize >= config.nodes
+            && level.max_nodes as usize >= config.nodes.most()
             && level.max_group_frames >= u32::from(config.group_length)
     };
     let level = Level::all().find(|(number, level)| *number > 0 && fits(level));
     level.map(|(number, _)| number).ok_or_else(|| {
-        let (vertices, nodes) = (first.positions.len(), config.nodes);
+        let (vertices, nodes) = (first.positions.len(), config.nodes.most());
         EncodeError::Config(format!("no level holds {vertices} vertices and {nodes} key nodes"))
     })
 }

@@ -22,8 +22,7 @@ fn config() -> EncoderConfig {
         vertex_maps: false,
         labels: LabelChoice::Given,
         group_length: 8,
-        nodes: 12,
-        nodes_by_cost: false,
+        nodes: 12.into(),
         placement: NodePlacement::Generated,
         frame_rate: (30, 1),
         unit: UnitOfLength::Unspecified,
@@ -234,7 +233,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         config(),
     )?;
     for stream in predicted(&body) {
-        let config = EncoderConfig { nodes: 30, translation: stream.choice, ..config() };
+        let config = EncoderConfig { nodes: 30.into(), translation: stream.choice, ..config() };
         let config = EncoderConfig { up_axis: stream.up_axis, group_length: 5, ..config };
         add(stream.name, stream.danger, stream.covers, &stream.frames, config)?;
     }

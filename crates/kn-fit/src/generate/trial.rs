@@ -152,9 +152,10 @@ impl<'a> Trial<'a> {
         self.errors.iter().zip(areas).map(|(error, share)| share * error).sum::<f64>() / area
     }
 
-    /// How many nodes are worth `price`.
+    /// How many nodes are worth `price`, a share of the mean squared distance.
     pub(super) fn paying(&self, price: f64) -> usize {
-        self.removal_costs(0.0).iter().filter(|&&cost| cost >= price).count().max(1)
+        let price = price * self.squared_error();
+        self.removal_costs(0.0).iter().filter(|&&cost| cost > price).count().max(1)
     }
 
     /// Up to `most` nodes of the lowest cost, no two of which control the same vertex, and not the
