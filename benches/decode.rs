@@ -19,7 +19,7 @@ fn performer() -> Performer {
 /// A group of three frames.
 fn stream() -> Vec<u8> {
     let performer = performer();
-    let config = EncoderConfig { group_length: 3, nodes: NODES, ..EncoderConfig::default() };
+    let config = EncoderConfig { group_length: 3, nodes: NODES.into(), ..EncoderConfig::default() };
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     (0..3).for_each(|index| encoder.push(&performer.frame(index)).expect("a sound frame"));
     encoder.finish().expect("a vector takes everything").writer
