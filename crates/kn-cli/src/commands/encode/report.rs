@@ -131,13 +131,26 @@ impl Report {
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
         global.note(format_args!(
-            "{name}: {} bytes, {} I-frames of {} bytes on average, {predicted} P-frames of {}; \
+            "{name}: {} bytes, {} I-frames of {} bytes on average, {predicted} P-frames of {}{}; \
              {seconds:.1} s",
             grouped(summary.bytes),
             summary.intra_frames,
             mean(summary.intra_bytes, summary.intra_frames),
             mean(summary.predicted_bytes, predicted),
+            self.node_numbers(),
         ));
+    }
+
+    /// The least and the largest number of key nodes, in words.
+    fn node_numbers(&self) -> String {
+        let coded = self.frames.iter().filter_map(|frame| frame.coded.as_ref());
+        let nodes: Vec<u32> = coded.map(|coded| coded.nodes).filter(|&nodes| nodes > 0).collect();
+        match (nodes.iter().min(), nodes.iter().max()) {
+            (Some(1), Some(1)) => " with 1 key node".into(),
+            (Some(least), Some(most)) if least == most => format!(" with {most} key nodes"),
+            (Some(least), Some(most)) => format!(" with {least} to {most} key nodes"),
+            _ => String::new(),
+        }
     }
 
     /// In how many frames no person was found, and where first.
