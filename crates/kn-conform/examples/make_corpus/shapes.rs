@@ -106,6 +106,16 @@ pub(crate) fn handles(count: u32, around: u32, across: u32) -> Faces {
     faces
 }
 
+/// Three classes of `size` vertices, each vertex joined with all of the other classes: 2 · `size`
+/// triangles around every one, from an orientable embedding of the complete tripartite graph.
+pub(crate) fn crowd(size: u32) -> Faces {
+    let (b, c) = (|i| size + i, |i| 2 * size + i);
+    let pairs = (0..size).flat_map(|i| (0..size).map(move |j| (i, j)));
+    pairs
+        .flat_map(|(i, j)| [[i, b(j), c((i + j) % size)], [b(j), i, c((i + j + 1) % size)]])
+        .collect()
+}
+
 /// Several surfaces side by side.
 pub(crate) fn together(parts: &[Faces]) -> Faces {
     let mut faces = Faces::new();

@@ -9,8 +9,8 @@ use kn_mesh::GridMesh;
 
 use crate::Draft;
 use crate::shapes::{
-    Faces, Noise, bipyramid, curled, handles, knotted, mesh, sphere, together, torus, turned_edges,
-    without_vertex,
+    Faces, Noise, bipyramid, crowd, curled, handles, knotted, mesh, sphere, together, torus,
+    turned_edges, without_vertex,
 };
 use crate::texts::{HEADER, INDEX, intra_unit, payload_of};
 
@@ -57,6 +57,13 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
              each side of a triangle supports a tip, the same one too.",
             &["intra.connectivity.add", "intra.connectivity.gate", "intra.geometry.order"],
             &surfaces_with_handles(),
+        )?,
+        groups(
+            "crowded",
+            "Surfaces of genus 36 to 66 on which every vertex lacks 16 triangles or more for long: what waits \
+             after a jump, when the last stack holds all.",
+            &["intra.connectivity.add", "intra.connectivity.gate"],
+            &crowds(),
         )?,
         groups(
             "extremes",
@@ -152,6 +159,17 @@ fn surfaces_with_handles() -> Vec<GridMesh> {
         mesh(faces, |v| curled(v, 500.0, 9), Some(&mut noise_labels(3)))
     };
     [(1, 2), (2, 4), (3, 6), (4, 6), (5, 5), (6, 3), (7, 6), (8, 4)].map(build).into()
+}
+
+/// After a jump the second gate comes first as a rule, and brings `before(e)` back; not where more than 15
+/// triangles are lacking everywhere.
+fn crowds() -> Vec<GridMesh> {
+    let mut noise = Noise::new(9);
+    let mut build = |(size, turns): (u32, usize)| {
+        let faces = turned_edges(crowd(size), turns, &mut noise);
+        mesh(faces, |v| curled(v, 500.0, 9), None)
+    };
+    vec![build((10, 0)), build((12, 5)), build((13, 200))]
 }
 
 fn extremes() -> Vec<GridMesh> {
