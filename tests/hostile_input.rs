@@ -4,10 +4,14 @@
 mod common;
 
 use common::{encode, performer, small_config};
-use kn_bitstream::unit::{Framing, SizeLimits, read_unit};
-use kn_codec::{DecodeError, DecodeErrorKind, EncoderConfig, Limits, Progress, StreamDecoder};
+use kn_bitstream::unit::{Framing, INDEX, INTRA_FRAME, SizeLimits, read_unit, write_unit};
+use kn_bitstream::{BitWriter, Index, IndexGroup};
+use kn_codec::{
+    DecodeError, DecodeErrorKind, Decoder, EncoderConfig, Limits, Progress, StreamDecoder,
+};
 use kn_conform::load_corpus;
 use kn_mesh::Mesh;
+use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
@@ -182,4 +186,93 @@ fn limits_are_checked_before_anything_is_built() {
     assert!(asks(Limits { max_faces: 100, ..default }).contains("faces"));
     assert!(asks(Limits { max_nodes: 11, ..default }).contains("12 key nodes"));
     assert!(asks(Limits { max_unit_bytes: 100, ..default }).contains("bytes in a unit"));
+}
+
+/// The stream with an index that has the groups begin at these bytes.
+fn with_groups(bytes: &[u8], starts: &[usize], frames: u8) -> Vec<u8> {
+    let units = units(bytes);
+    let index = units.last().expect("a sound stream has an index");
+    let ends = starts.iter().skip(1).chain([&index.start]);
+    let groups = starts.iter().zip(ends);
+    let group = |(start, end): (&usize, &usize)| IndexGroup { bytes: (end - start) as u32, frames };
+    let mut bits = BitWriter::new();
+    Index { groups: groups.map(group).collect() }.write(&mut bits);
+    let mut lying = bytes[..index.start].to_vec();
+    write_unit(&mut lying, INDEX, &bits.into_bytes());
+    lying
+}
+
+/// An index may send a decoder anywhere; only an I-frame begins a group, whatever came before.
+#[test]
+fn seeking_by_an_index_that_lies_is_an_error() {
+    for Sound { name, bytes } in sound_streams() {
+        let units = units(&bytes);
+        let first = units[1].start;
+        for unit in &units[2..units.len() - 1] {
+            let lying = with_groups(&bytes, &[first, unit.start], 1);
+            for used in [false, true] {
+                let at = format!("{name}, byte {}, used {used}", unit.start);
+                let mut decoder = Decoder::new(Cursor::new(&lying)).expect("the header is sound");
+                let mut mesh = Mesh::default();
+                if used {
+                    while decoder.next_frame(&mut mesh).is_ok_and(|frame| frame.is_some()) {}
+                }
+                decoder.seek(1).unwrap_or_else(|error| panic!("{at}: {error}"));
+                let shown = decoder.next_frame(&mut mesh);
+                if bytes[unit.start] == INTRA_FRAME {
+                    assert!(shown.is_ok(), "{at}");
+                } else {
+                    let error = shown.expect_err("no I-frame is there");
+                    assert_eq!(error.rule(), Some("file.order"), "{at}");
+                }
+            }
+        }
+    }
+}
+
+/// What cannot be sought in can still be read from where it stands.
+#[test]
+fn a_failed_search_for_the_index_leaves_the_reader_where_it_was() {
+    let stream = performers().bytes;
+    let cut = &stream[..stream.len() - 1];
+    let mut decoder = Decoder::new(Cursor::new(cut)).expect("the header is sound");
+    let mut mesh = Mesh::default();
+    for frame in 0..3 {
+        let error = decoder.frame_count().expect_err("the last byte is missing");
+        assert_eq!(error.rule(), Some("index.size.value"));
+        let info = decoder.next_frame(&mut mesh).expect("sound so far").expect("a frame");
+        assert_eq!(info.index, frame);
+    }
+}
+
+#[test]
+fn an_index_is_checked_like_any_other_unit() {
+    let stream = performers().bytes;
+    let rule = |stream: &[u8], limits: Limits| {
+        let mut decoder = Decoder::with_limits(Cursor::new(stream), limits).expect("a header");
+        decoder.frame_count().expect_err("it is broken")
+    };
+    let mut flipped = stream.clone();
+    let last = 8 * stream.len() - 1;
+    flip(&mut flipped, last);
+    assert_eq!(rule(&flipped, Limits::default()).rule(), Some("unit.crc.match"));
+    let start = units(&stream).last().expect("an index").start;
+    let mut bits = BitWriter::new();
+    Index { groups: vec![IndexGroup { bytes: 1, frames: 1 }] }.write(&mut bits);
+    let mut payload = bits.into_bytes();
+    // A spare byte before `index_size`, which counts it.
+    let size = payload.len() - 4;
+    payload.insert(size, 0);
+    payload[size + 4] += 1;
+    let mut spare = stream[..start].to_vec();
+    write_unit(&mut spare, INDEX, &payload);
+    assert!(rule(&spare, Limits::default()).rule().is_some());
+    // The header of this stream has more bytes than its index.
+    let many = (0..4000).map(|_| IndexGroup { bytes: 1, frames: 1 });
+    let mut bits = BitWriter::new();
+    Index { groups: many.collect() }.write(&mut bits);
+    let mut large = stream[..start].to_vec();
+    write_unit(&mut large, INDEX, &bits.into_bytes());
+    let small = Limits { max_unit_bytes: 4000, ..Limits::default() };
+    assert!(matches!(rule(&large, small).kind(), DecodeErrorKind::Limit { .. }));
 }

@@ -1,7 +1,8 @@
 //! What the targets share: a decoder inside small limits, and its frames.
 
-use kn_codec::{DecodeError, Limits, Progress, StreamDecoder, digest};
+use kn_codec::{DecodeError, Decoder, Limits, Progress, StreamDecoder, digest};
 use kn_mesh::Mesh;
+use std::io::Cursor;
 
 /// Small enough that no input takes seconds.
 pub const LIMITS: Limits =
@@ -39,6 +40,21 @@ pub fn decode<'b>(pieces: impl Iterator<Item = &'b [u8]>) -> Decoded {
         }
     }
     Decoded { frames, ending }
+}
+
+/// Goes to frames by the index, the last first, and decodes what comes there.
+pub fn seek(stream: &[u8]) {
+    const FRAMES: u64 = 6;
+    let Ok(mut decoder) = Decoder::with_limits(Cursor::new(stream), LIMITS) else { return };
+    let Ok(count) = decoder.frame_count() else { return };
+    let mut mesh = Mesh::default();
+    for frame in (count.saturating_sub(FRAMES)..count).rev() {
+        if decoder.seek(frame).is_ok()
+            && let Ok(info) = decoder.next_frame(&mut mesh)
+        {
+            assert_eq!(info.map(|info| info.index), Some(frame));
+        }
+    }
 }
 
 /// All frames that the bytes so far hold.

@@ -4,14 +4,14 @@ use sha2::{Digest, Sha256};
 
 /// The stream's digest of positions on the grid (`#V × 3`; `frame.digest.positions`).
 pub fn positions_digest(positions: &[[i32; 3]]) -> u64 {
-    let mut hash = Sha256::new();
+    let mut hash = counted(positions.len());
     update_positions(&mut hash, positions);
     truncate(hash)
 }
 
 /// The stream's digest of faces (`#F × 3`; `intra.digest.faces`).
 pub fn faces_digest(faces: &[[u32; 3]]) -> u64 {
-    let mut hash = Sha256::new();
+    let mut hash = counted(faces.len());
     update_faces(&mut hash, faces);
     truncate(hash)
 }
@@ -19,27 +19,25 @@ pub fn faces_digest(faces: &[[u32; 3]]) -> u64 {
 /// SHA-256 of a whole frame, lower-case hexadecimal: #V, #F as 32-bit little-endian, positions,
 /// faces (`conformance.frame.sha256`).
 pub fn frame_sha256(positions: &[[i32; 3]], faces: &[[u32; 3]]) -> String {
-    let mut hash = Sha256::new();
-    hash.update((positions.len() as u32).to_le_bytes());
+    let mut hash = counted(positions.len());
     hash.update((faces.len() as u32).to_le_bytes());
-    for value in positions.as_flattened() {
-        hash.update(value.to_le_bytes());
-    }
-    for value in faces.as_flattened() {
-        hash.update(value.to_le_bytes());
-    }
+    update_positions(&mut hash, positions);
+    update_faces(&mut hash, faces);
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// A hash that begins with a number of elements.
+fn counted(elements: usize) -> Sha256 {
+    Sha256::new().chain_update((elements as u32).to_le_bytes())
+}
+
 fn update_positions(hash: &mut Sha256, positions: &[[i32; 3]]) {
-    hash.update((positions.len() as u32).to_le_bytes());
     for value in positions.as_flattened() {
         hash.update(value.to_le_bytes());
     }
 }
 
 fn update_faces(hash: &mut Sha256, faces: &[[u32; 3]]) {
-    hash.update((faces.len() as u32).to_le_bytes());
     for value in faces.as_flattened() {
         hash.update(value.to_le_bytes());
     }

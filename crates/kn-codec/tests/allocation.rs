@@ -12,6 +12,9 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
+/// Bytes for each face, and for each vertex, of any payload, as [`decode_intra`] states.
+const PER_FACE: usize = 1500;
+const PER_VERTEX: usize = 60;
 /// Bytes for each byte of a payload, as `docs/notes/intra.md` states.
 const FACTOR: usize = 2048 * PER_ELEMENT;
 /// Bytes for each face or vertex of a sound mesh, as stated there.
@@ -44,6 +47,17 @@ fn performer() -> (GridMesh, Vec<u8>) {
     (mesh, payload)
 }
 
+fn triangles_apart(count: usize) -> GridMesh {
+    let corners = 0..3 * count as u32;
+    let position =
+        |v: u32| [(v / 3 % 200) as i32 * 9 + (v % 3) as i32, v as i32 / 600, v as i32 % 2];
+    GridMesh {
+        positions: corners.clone().map(position).collect(),
+        faces: corners.step_by(3).map(|v| [v, v + 1, v + 2]).collect(),
+        labels: Vec::new(),
+    }
+}
+
 #[test]
 fn memory_is_bounded_by_the_payload() {
     let (mesh, payload) = performer();
@@ -72,4 +86,13 @@ fn memory_is_bounded_by_the_payload() {
         }
     }
     eprintln!("at worst {worst} bytes for a byte of payload");
+
+    // Triangles that touch nothing: three more of a dummy close each, as many as there may be.
+    let count = 20_000;
+    let apart: GridMesh = triangles_apart(count);
+    let mut payload = Vec::new();
+    encode_intra(&apart, &mut payload).expect("a sound mesh");
+    let peak = peak(&payload);
+    eprintln!("triangles apart: {peak} bytes, {} a face", peak / count);
+    assert!(peak <= PER_FACE * count + PER_VERTEX * 3 * count + FIXED);
 }

@@ -4,7 +4,7 @@ use kn_codec::{
     AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, FrameReport, LabelChoice,
     NodeChoice, StepChoice,
 };
-use kn_deform::Combination;
+use kn_deform::{Combination, InfluenceMode};
 use kn_mesh::Mesh;
 use kn_mesh::performer::{Performer, PerformerConfig};
 
@@ -91,6 +91,19 @@ fn as_many_nodes_as_pay() {
     assert!(idle < usual, "{idle} nodes for what rests, {usual} for what moves");
     let few = EncoderConfig { nodes: NodeChoice::Cost { most: 7 }, ..config() };
     assert!(encode(&moving, few).1[0].nodes <= 7);
+}
+
+/// However little moves: a region without a node would follow the nodes of another.
+#[test]
+fn every_region_keeps_a_node() {
+    let moving = performer();
+    let still = [(); 3].map(|()| moving[0].clone());
+    let influence = InfluenceMode::Strict;
+    let config =
+        EncoderConfig { influence, nodes: NodeChoice::default(), lambda: 1e-3, ..config() };
+    // It would be an error.
+    let (_, reports) = encode(&still, config);
+    assert_eq!(reports.len(), 2);
 }
 
 #[test]

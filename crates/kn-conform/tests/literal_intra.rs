@@ -74,7 +74,34 @@ fn by_codec(payload: &[u8]) -> Result<GridMesh, &'static str> {
     }
 }
 
+/// Where `label_size`, the last number of the header, is.
+fn place_of_label_size(payload: &[u8]) -> usize {
+    let mut at = 2;
+    for _ in 0..8 {
+        while payload[at] & 0x80 != 0 {
+            at += 1;
+        }
+        at += 1;
+    }
+    at
+}
+
 proptest! {
+    /// A section that is longer than its decisions, or has none at all.
+    #[test]
+    fn spare_bytes_of_labels_are_judged_alike(mesh in soup(), spare in 1..20_usize, value: u8) {
+        let mut payload = payload(&mesh);
+        let place = place_of_label_size(&payload);
+        prop_assume!(payload[place] < 0x80 - 20);
+        payload[place] += spare as u8;
+        payload.extend(std::iter::repeat_n(value, spare));
+        let [ours, literal] = [by_codec(&payload), decode_mesh(&payload)];
+        if mesh.labels.is_empty() {
+            prop_assert_eq!(&ours, &Err("intra.sections.size"));
+        }
+        prop_assert_eq!(literal, ours);
+    }
+
     #[test]
     fn soups_decode_alike(mesh in soup()) {
         let payload = payload(&mesh);

@@ -51,9 +51,13 @@ impl Deformer {
     ) -> Result<(), DeformError> {
         assert_eq!(nodes.len(), transforms.len());
         assert_eq!(reference.len(), influence.vertex_count());
+        assert_eq!(influence.nodes.len(), influence.weights.len());
         self.columns.clear();
         self.columns.extend(nodes.iter().zip(transforms).map(|(&n, t)| node_columns(n, t)));
         deformed.resize(reference.len(), [0; 3]);
+        if reference.is_empty() {
+            return Ok(());
+        }
         match influence.nodes_per_vertex {
             // The default Q is known to the compiler, so that its loop unrolls.
             4 => self.deform_all::<4>(reference, influence, limit, deformed),

@@ -74,7 +74,8 @@ const CHUNK: usize = 1024;
 /// node index. The result reuses the buffers of `influence`.
 ///
 /// # Errors
-/// No node; strict mode and a region without one; array lengths that disagree.
+/// No node, more than 65,536; Q not 1 to 8; strict mode and a region without a node; array lengths
+/// that disagree.
 pub fn bind(
     positions: &[[i32; 3]],
     vertex_regions: &[u8],
@@ -92,6 +93,9 @@ pub fn bind(
     }
     if nodes.is_empty() {
         return Err(BindError::NoNodes);
+    }
+    if u16::try_from(nodes.len() - 1).is_err() {
+        return Err(BindError::Arguments("more than 65536 nodes"));
     }
     let candidates = Candidates::new(nodes, node_regions);
     candidates.check_strict(vertex_regions, options.mode)?;

@@ -37,6 +37,11 @@ pub struct Smoother {
     /// that does not move.
     starts: Vec<u32>,
     neighbours: Vec<u32>,
+    /// The other two corners of every face at vertex v: `corners[ends[v]..ends[v + 1]]`.
+    ends: Vec<u32>,
+    corners: Vec<u32>,
+    /// `#V`: where the next corners go.
+    next: Vec<u32>,
     /// `#V × 3`: positions of the current pass.
     positions: Vec<[f64; 3]>,
     /// `#V × 3`: the operator applied once.
@@ -47,11 +52,18 @@ impl Smoother {
     /// Strengths are 1 to this; 0 leaves a mesh as it is.
     pub const STRENGTHS: u8 = 5;
 
+    /// Forgets the last mesh: the next one may have other faces.
+    pub fn begin_mesh(&mut self) {
+        self.starts.clear();
+    }
+
     /// Smooths `positions` (`#V × 3`, reference units) of a mesh with `faces` (`#F × 3`)
     /// (`smooth.neighbours` to `smooth.clamp`). `half_step` is half a grid step in reference units.
+    /// The faces are looked at once, in the first call after [`Self::begin_mesh`].
     ///
     /// # Panics
-    /// Where a face names a vertex beyond `positions`, or `strength` is above [`Self::STRENGTHS`].
+    /// Where a face names a vertex beyond `positions`, there are other vertices than in the first call,
+    /// or `strength` is above [`Self::STRENGTHS`].
     pub fn smooth(
         &mut self,
         positions: &mut [[i32; 3]],
@@ -61,7 +73,10 @@ impl Smoother {
     ) {
         let Some(index) = strength.checked_sub(1) else { return };
         let strength = STRENGTHS[usize::from(index)];
-        self.collect_neighbours(positions.len(), faces);
+        if self.starts.is_empty() {
+            self.collect_neighbours(positions.len(), faces);
+        }
+        assert_eq!(self.starts.len(), positions.len() + 1);
         self.positions.clear();
         self.positions.extend(positions.iter().map(|p| p.map(f64::from)));
         for _ in 0..PASSES {
@@ -78,7 +93,7 @@ impl Smoother {
 
     /// `smooth.pass`.
     fn pass(&mut self, decoded: &[[i32; 3]], strength: Strength) {
-        let Self { starts, neighbours, positions, once } = self;
+        let Self { starts, neighbours, positions, once, .. } = self;
         once.resize(positions.len(), [0.0; 3]);
         let of = |vertex: usize| &neighbours[starts[vertex] as usize..starts[vertex + 1] as usize];
         once.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, once)| {
@@ -102,35 +117,36 @@ impl Smoother {
 
     /// `smooth.neighbours`: a vertex moves where each of its edges has two faces.
     fn collect_neighbours(&mut self, vertex_count: usize, faces: &[[u32; 3]]) {
-        let mut ends = vec![0_u32; vertex_count + 1];
+        let Self { starts, neighbours, ends, corners, next, .. } = self;
+        ends.clear();
+        ends.resize(vertex_count + 1, 0);
         for &vertex in faces.iter().flatten() {
             ends[vertex as usize + 1] += 2;
         }
         let mut end = 0;
-        for own in &mut ends {
+        for own in &mut *ends {
             end += *own;
             *own = end;
         }
-        let mut around = vec![0_u32; 6 * faces.len()];
-        let mut next = ends.clone();
+        corners.resize(6 * faces.len(), 0);
+        next.clone_from(ends);
         for &[a, b, c] in faces {
             for (vertex, pair) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
                 let at = &mut next[vertex as usize];
-                around[*at as usize..*at as usize + 2].copy_from_slice(&pair);
+                corners[*at as usize..*at as usize + 2].copy_from_slice(&pair);
                 *at += 2;
             }
         }
-        self.starts.clear();
-        self.starts.push(0);
-        self.neighbours.clear();
+        starts.push(0);
+        neighbours.clear();
         for vertex in 0..vertex_count {
-            let ring = &mut around[ends[vertex] as usize..ends[vertex + 1] as usize];
+            let ring = &mut corners[ends[vertex] as usize..ends[vertex + 1] as usize];
             ring.sort_unstable();
             let runs = || ring.chunk_by(|a, b| a == b);
             if runs().all(|run| run.len() == 2) {
-                self.neighbours.extend(runs().map(|run| run[0]));
+                neighbours.extend(runs().map(|run| run[0]));
             }
-            self.starts.push(self.neighbours.len() as u32);
+            starts.push(neighbours.len() as u32);
         }
     }
 }

@@ -32,9 +32,9 @@ pub struct NodeSource<'a> {
 pub enum NodeCount {
     /// So many, as far as the mesh has vertices for them.
     Exactly(usize),
-    /// As many as pay.
+    /// As many as pay, of one for 60 vertices and at least one for every region.
     Paying {
-        /// The largest number.
+        /// The largest number, regions or not.
         most: usize,
         /// By which share the mean squared distance to the key frame must rise where a node goes and
         /// its neighbours take over as they are.
@@ -144,7 +144,10 @@ pub fn generate_nodes(
 /// How many nodes are worth their price: those that are not go from a dense set, until what is
 /// left pays. `None` where the key frame cannot be tracked.
 fn paying(setting: &Setting, most: usize, price: f64) -> Result<Option<usize>, FitError> {
-    let mut trial = Trial::dense(setting, (setting.vertices() / VERTICES_PER_NODE).min(most))?;
+    // A region without a node would follow those of another.
+    let least = setting.regions().min(most);
+    let dense = (setting.vertices() / VERTICES_PER_NODE).clamp(least, most);
+    let mut trial = Trial::dense(setting, dense)?;
     if trial.failed {
         return Ok(None);
     }
@@ -157,5 +160,5 @@ fn paying(setting: &Setting, most: usize, price: f64) -> Result<Option<usize>, F
         }
         trial = trial.changed(&removed, &[])?;
     }
-    Ok(Some(trial.paying(price)))
+    Ok(Some(trial.paying(price).max(least)))
 }

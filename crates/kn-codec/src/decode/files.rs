@@ -1,10 +1,9 @@
 //! The decoder over a reader, with seeking.
 
-use crate::decode::stream::{FrameInfo, Progress, StreamDecoder};
+use crate::decode::stream::{FrameInfo, ParsedIndex, Progress, StreamDecoder};
 use crate::error::{DecodeError, DecodeErrorKind};
 use crate::limits::Limits;
-use kn_bitstream::unit::{self, Framing, SizeLimits};
-use kn_bitstream::{BitReader, Index, TAIL_BYTES, index_size, rule};
+use kn_bitstream::{Index, TAIL_BYTES, index_size, rule};
 use kn_mesh::Mesh;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
@@ -87,10 +86,12 @@ impl<R: Read + Seek> Decoder<R> {
     pub fn index(&mut self) -> Result<&Index, DecodeError> {
         if self.index.is_none() {
             let position = self.reader.stream_position()?;
-            let index = read_index(&mut self.reader, self.stream.max_group_length())?;
+            let found = read_index(&mut self.reader, &self.stream);
+            // Also where there is no sound index: frames may still be read from here on.
             self.reader.seek(SeekFrom::Start(position))?;
-            self.index = Some(index.0);
-            self.groups_start = index.1;
+            let (index, groups_start) = found?;
+            self.index = Some(index);
+            self.groups_start = groups_start;
         }
         self.index.as_ref().ok_or_else(|| DecodeErrorKind::Failed.into())
     }
@@ -131,39 +132,41 @@ impl<R: Read + Seek> Decoder<R> {
     }
 }
 
-/// Reads the index unit; also gives the offset of the first group.
+/// Reads the index unit; also gives the offset of the first group. Its size is checked before any
+/// memory is taken for it.
 fn read_index<R: Read + Seek>(
     reader: &mut R,
-    max_group_length: u8,
+    stream: &StreamDecoder,
 ) -> Result<(Index, u64), DecodeError> {
     let length = reader.seek(SeekFrom::End(0))?;
-    let broken = |at: u64| {
-        DecodeError::from(DecodeErrorKind::Malformed {
-            rule: rule::INDEX_SIZE_VALUE,
-            at,
-            frame: None,
-        })
+    let misplaced = |byte: u64| {
+        let (rule, at) = (rule::INDEX_SIZE_VALUE, 8 * byte);
+        DecodeError::from(DecodeErrorKind::Malformed { rule, at, frame: None })
     };
     let mut tail = [0; TAIL_BYTES];
-    let tail_start = length.checked_sub(tail.len() as u64).ok_or_else(|| broken(0))?;
+    let tail_start = length.checked_sub(TAIL_BYTES as u64).ok_or_else(|| misplaced(0))?;
     reader.seek(SeekFrom::Start(tail_start))?;
     reader.read_exact(&mut tail)?;
-    let size = u64::from(index_size(tail));
-    let start = length.checked_sub(size).ok_or_else(|| broken(8 * tail_start))?;
+    let size = index_size(tail) as usize;
+    let start = length.checked_sub(size as u64).ok_or_else(|| misplaced(tail_start))?;
     reader.seek(SeekFrom::Start(start))?;
     let mut bytes = Vec::new();
-    reader.take(size).read_to_end(&mut bytes)?;
-    let framing = unit::read_unit(&bytes, SizeLimits::default()).map_err(|_| broken(8 * start))?;
-    let Framing::Unit(unit) = framing else { return Err(broken(8 * start)) };
-    if unit.unit_type != unit::INDEX || unit.total_len as u64 != size {
-        return Err(broken(8 * start));
+    let index = loop {
+        match stream.parse_index(&bytes, 8 * start)? {
+            ParsedIndex::Index(index) => break index,
+            ParsedIndex::NeedBytes(n) if bytes.len() + n <= size => {
+                let had = bytes.len();
+                bytes.resize(had + n, 0);
+                reader.read_exact(&mut bytes[had..])?;
+            }
+            ParsedIndex::NeedBytes(_) => return Err(misplaced(start)),
+        }
+    };
+    if bytes.len() != size {
+        return Err(misplaced(start));
     }
-    let payload_start = 8 * (start + unit.header_len as u64);
-    let mut bits = BitReader::new(unit.payload).at(payload_start);
-    let index = Index::read(&mut bits, unit.payload.len() as u32, max_group_length)
-        .map_err(|error| broken(error.bit))?;
     let groups_bytes: u64 = index.groups.iter().map(|group| u64::from(group.bytes)).sum();
-    let first = start.checked_sub(groups_bytes).ok_or_else(|| broken(payload_start))?;
+    let first = start.checked_sub(groups_bytes).ok_or_else(|| misplaced(start))?;
     Ok((index, first))
 }
 

@@ -60,6 +60,7 @@ impl Reconstruction {
         decode: impl FnOnce(&mut GridMesh) -> Result<(), E>,
     ) -> Result<(), E> {
         decode(&mut self.intra)?;
+        self.smoother.begin_mesh();
         self.smooth(smoothing);
         self.nodes.clear();
         Ok(())
@@ -185,8 +186,8 @@ impl Reconstruction {
             .map_err(|_| rule::DEFORM_POSITION_RANGE)
     }
 
-    /// Reference units that no coordinate reaches.
-    fn limit(&self) -> i32 {
+    /// Reference units that no coordinate reaches, nor any translation.
+    pub(crate) fn limit(&self) -> i32 {
         Grid::LIMIT << self.fraction_bits
     }
 

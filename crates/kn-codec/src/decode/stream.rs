@@ -8,7 +8,8 @@ use crate::intra::IntraDecoder;
 use crate::limits::Limits;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits};
 use kn_bitstream::{
-    Element, Error, ErrorKind, IndexGroup, Level, MotionFrame, SequenceHeader, Trace, Value, rule,
+    BitReader, Element, Error, ErrorKind, Index, IndexGroup, Level, MotionFrame, SequenceHeader,
+    Trace, Value, rule,
 };
 use kn_mesh::{Grid, Mesh};
 
@@ -54,7 +55,8 @@ pub struct FrameInfo {
 enum Stage {
     Signature,
     Header,
-    FirstGroup,
+    /// At the first group, or where a seek has gone.
+    BeforeGroup,
     AfterIntra,
     AfterNodes,
     InGroup,
@@ -211,7 +213,7 @@ impl StreamDecoder {
     }
 
     /// Frames per group at most; 0 before the header.
-    pub(crate) fn max_group_length(&self) -> u8 {
+    fn max_group_length(&self) -> u8 {
         self.header.as_ref().map_or(0, |header| header.max_group_length)
     }
 
@@ -225,12 +227,13 @@ impl StreamDecoder {
         self.offset + (self.buffer.len() - self.start) as u64
     }
 
-    /// Goes to the first byte of a group of frames; `before` are the groups that precede it.
+    /// Goes to the first byte of a group of frames; `before` are the groups that precede it. Only an
+    /// I-frame may come there, wherever the index has sent us: nothing of another group is used.
     pub(crate) fn restart(&mut self, offset: u64, before: &[IndexGroup]) {
         self.buffer.clear();
         self.start = 0;
         self.offset = offset;
-        self.stage = if before.is_empty() { Stage::FirstGroup } else { Stage::InGroup };
+        self.stage = Stage::BeforeGroup;
         self.frame = before.iter().map(|group| u64::from(group.frames)).sum();
         self.frame_bytes = 0;
         self.groups.clear();
@@ -302,6 +305,25 @@ impl StreamDecoder {
         Ok((step, unit.total_len))
     }
 
+    /// The index unit in `bytes`, from the file's bit `start` on, as far as they go.
+    ///
+    /// # Errors
+    /// What is no index unit, one above the limits (as soon as its size is there), a broken one.
+    pub(crate) fn parse_index(&self, bytes: &[u8], start: u64) -> Result<ParsedIndex, DecodeError> {
+        let place = |error: Error| place(Error { bit: error.bit + start, ..error }, None);
+        let unit = match unit::read_unit(bytes, self.size_limits()).map_err(place)? {
+            Framing::NeedBytes(n) => return Ok(ParsedIndex::NeedBytes(n)),
+            Framing::Unit(unit) => unit,
+        };
+        if unit.unit_type != unit::INDEX || unit.total_len != bytes.len() {
+            return Err(malformed(rule::INDEX_SIZE_VALUE, start, None));
+        }
+        let mut bits = BitReader::new(unit.payload).at(8 * unit.header_len as u64);
+        let index = Index::read(&mut bits, unit.payload.len() as u32, self.max_group_length());
+        let index = index.and_then(|index| bits.finish().map(|()| index)).map_err(place)?;
+        Ok(ParsedIndex::Index(index))
+    }
+
     fn size_limits(&self) -> SizeLimits {
         let any_level = SizeLimits::default().level;
         let level = self.header.as_ref().map_or(any_level, |_| self.level.max_unit_bytes);
@@ -312,7 +334,7 @@ impl StreamDecoder {
     fn check_order(&self, unit_type: u8) -> Result<(), DecodeError> {
         let in_order = match self.stage {
             Stage::Header => unit_type == unit::SEQUENCE_HEADER,
-            Stage::FirstGroup => unit_type == unit::INTRA_FRAME,
+            Stage::BeforeGroup => unit_type == unit::INTRA_FRAME,
             Stage::AfterIntra => {
                 matches!(unit_type, unit::INTRA_FRAME | unit::KEY_NODES | unit::INDEX)
             }
@@ -344,7 +366,7 @@ impl StreamDecoder {
     }
 
     fn malformed(&self, rule: &'static str, at: u64) -> DecodeError {
-        DecodeErrorKind::Malformed { rule, at, frame: self.frame_in_progress() }.into()
+        malformed(rule, at, self.frame_in_progress())
     }
 
     /// The frame that is being decoded; none before the first.
@@ -354,14 +376,31 @@ impl StreamDecoder {
 
     /// An error of the bitstream, placed in this file.
     fn at(&self, error: Error) -> DecodeError {
-        let at = error.bit;
-        match error.kind {
-            ErrorKind::UnexpectedEnd => self.malformed(rule::UNIT_SIZE_EXACT, at),
-            ErrorKind::Malformed { rule } => self.malformed(rule, at),
-            ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at }.into(),
-            ErrorKind::Limit { what, asked, allowed } => {
-                DecodeErrorKind::Limit { what, asked, allowed, at }.into()
-            }
+        place(error, self.frame_in_progress())
+    }
+}
+
+/// What [`StreamDecoder::parse_index`] found.
+pub(crate) enum ParsedIndex {
+    /// The unit has so many more bytes.
+    NeedBytes(usize),
+    /// The groups of frames.
+    Index(Index),
+}
+
+fn malformed(rule: &'static str, at: u64, frame: Option<u64>) -> DecodeError {
+    DecodeErrorKind::Malformed { rule, at, frame }.into()
+}
+
+/// An error of the bitstream, its bit counted from the start of the file.
+fn place(error: Error, frame: Option<u64>) -> DecodeError {
+    let at = error.bit;
+    match error.kind {
+        ErrorKind::UnexpectedEnd => malformed(rule::UNIT_SIZE_EXACT, at, frame),
+        ErrorKind::Malformed { rule } => malformed(rule, at, frame),
+        ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at }.into(),
+        ErrorKind::Limit { what, asked, allowed } => {
+            DecodeErrorKind::Limit { what, asked, allowed, at }.into()
         }
     }
 }

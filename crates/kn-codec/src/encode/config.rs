@@ -110,10 +110,11 @@ pub enum StepChoice {
 pub enum NodeChoice {
     /// So many, 1 to 4096.
     Fixed(usize),
-    /// In every group as many as lower J = D + λR of its key frame by their bytes; 150 where they are
-    /// spread evenly or no frame can be tracked.
+    /// In every group as many as lower J = D + λR of its key frame by their bytes, at least one for
+    /// every region of influence and at most one for 60 vertices of the I-frame; 150, or `most` if that
+    /// is less, where they are spread evenly or no frame can be tracked.
     Cost {
-        /// The largest number.
+        /// The largest number, 1 to 4096.
         most: usize,
     },
 }
@@ -155,7 +156,7 @@ pub enum NodePlacement {
 /// How strongly I-frames are smoothed within their grid's uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SmoothingChoice {
-    /// As strongly as brings the decoded surface no farther from the scan.
+    /// As strongly as leaves the decoded surface as near to the scan, within 3 %.
     Auto,
     /// 0 (decoded positions are exactly the quantised ones) to 5.
     Strength(u8),
@@ -183,7 +184,8 @@ pub struct NamePattern {
     pub first: u32,
 }
 
-/// Settings of an [`crate::Encoder`]; the default is the bi-modal preset.
+/// Settings of an [`crate::Encoder`]; the default is the preset `default`: bi-modal, with as many key
+/// nodes as pay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EncoderConfig {
     /// The grid of the whole sequence.

@@ -205,7 +205,7 @@ impl Frame<'_> {
         motion.header.positions_digest = self.config.digests.then_some(0);
         let before = self.decoded.translations();
         let (choice, step) = (self.config.translation, steps.translation);
-        code_translations(transforms, before, choice, step, &mut motion);
+        code_translations(transforms, before, choice, step, self.decoded.limit(), &mut motion);
         let affine = &self.decoded.nodes().affine;
         quantise_parameters(transforms, affine, combination, steps, &mut motion);
         let cost = self.cost(&motion);

@@ -220,7 +220,8 @@ mod tests {
         for index in 0..64 {
             let steps = Steps { translation: index, rotation: index, scale: index, shear: index };
             quantise_parameters(&[wild; 2], &[true, false], Combination::RTSH, steps, &mut motion);
-            code_translations(&[wild; 2], &before, TranslationChoice::Direct, index, &mut motion);
+            let (choice, limit) = (TranslationChoice::Direct, 1 << 20);
+            code_translations(&[wild; 2], &before, choice, index, limit, &mut motion);
             let mut bits = BitWriter::new();
             let context = MotionContext { node_count: 2, affine_count: 1, ..Default::default() };
             motion.write(&mut bits, &context);

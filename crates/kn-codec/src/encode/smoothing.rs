@@ -10,8 +10,8 @@ const SAMPLES: usize = 4000;
 /// falls beyond the strength with the smallest distance; see `docs/notes/smoothing.md`.
 const TOLERANCE: f64 = 1.03;
 
-/// The greatest strength whose surface is no farther from the scan than without smoothing. `scan` is
-/// in grid steps; `unit` reference units make a grid step. The reconstruction has decoded the
+/// The greatest strength whose surface is as near to the scan as without smoothing, or at most
+/// [`TOLERANCE`] times as far. `scan` is in grid steps; `unit` reference units make a grid step. The reconstruction has decoded the
 /// I-frame; its reference is left at some strength.
 ///
 /// Where the scan was on the grid from the start, nothing is smoothed.

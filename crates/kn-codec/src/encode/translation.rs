@@ -6,20 +6,22 @@ use crate::encode::quantise::quantised;
 use kn_bitstream::{MotionFrame, TranslationMode, best_table, cauchy_table, translation_step};
 use kn_deform::NodeTransform;
 
-/// Translations stay inside the decoder's bound by more than half a step.
-const BOUND: f64 = 1.0e8;
-
 /// Codes the translations of `transforms` (`#N`, in reference units) into `motion`: mode, step,
-/// values, changes and table. `before` is the state of the group.
+/// values, changes and table. `before` is the state of the group, `limit` what no decoded translation
+/// may reach.
 pub(crate) fn code_translations(
     transforms: &[NodeTransform],
     before: &Translations,
     choice: TranslationChoice,
     step: u8,
+    limit: i32,
     motion: &mut MotionFrame,
 ) {
-    let trials =
-        modes(choice, before).iter().map(|&mode| Trial::new(mode, transforms, before, step));
+    // Rounding moves one by half a step at most.
+    let reach = (f64::from(limit - 1) - translation_step(step) as f64 / 2.0).max(0.0);
+    let wanted: Vec<[f64; 3]> =
+        transforms.iter().map(|t| t.translation.map(|t| t.clamp(-reach, reach))).collect();
+    let trials = modes(choice, before).iter().map(|&mode| Trial::new(mode, &wanted, before, step));
     // Of equals the first.
     let Some(best) = trials.min_by_key(|trial| trial.bits) else { return };
     motion.translation_step = step;
@@ -52,22 +54,16 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(
-        mode: TranslationMode,
-        transforms: &[NodeTransform],
-        before: &Translations,
-        step: u8,
-    ) -> Self {
+    fn new(mode: TranslationMode, wanted: &[[f64; 3]], before: &Translations, step: u8) -> Self {
         let step = translation_step(step);
         let (changes, change_bits) = match mode {
-            TranslationMode::SpatioTemporal => fit_changes(transforms, before),
+            TranslationMode::SpatioTemporal => fit_changes(wanted, before),
             TranslationMode::Direct | TranslationMode::Spatial => (Vec::new(), 0),
         };
-        let mut values = vec![[0; 3]; transforms.len()];
+        let mut values = vec![[0; 3]; wanted.len()];
         let quantise = |node: usize, prediction: [i64; 3]| {
-            let wanted = transforms[node].translation;
             let value = |axis: usize| {
-                let difference = wanted[axis].clamp(-BOUND, BOUND) - prediction[axis] as f64;
+                let difference = wanted[node][axis] - prediction[axis] as f64;
                 quantised(difference, step as f64, f64::INFINITY)
             };
             values[node] = std::array::from_fn(value);
@@ -82,19 +78,18 @@ impl Trial {
 
 /// The change of every part since the frame before, quantised by that frame's dictionary, and the
 /// bits that the changes take.
-fn fit_changes(transforms: &[NodeTransform], before: &Translations) -> (Vec<[i32; 3]>, u64) {
+fn fit_changes(wanted: &[[f64; 3]], before: &Translations) -> (Vec<[i32; 3]>, u64) {
     let Some(dictionary) = before.dictionary() else { return (Vec::new(), 0) };
     let table = cauchy_table(dictionary.table);
     let mut bits = 0;
     let of_part = |part: u32| {
         let nodes = before.parts().iter().enumerate().filter(|(_, of)| u32::from(**of) == part);
         let change = |(node, _): (usize, &u8)| -> [f64; 3] {
-            let (now, last) = (transforms[node].translation, before.decoded()[node]);
-            std::array::from_fn(|axis| now[axis].clamp(-BOUND, BOUND) - last[axis] as f64)
+            std::array::from_fn(|axis| wanted[node][axis] - before.decoded()[node][axis] as f64)
         };
         let changes: Vec<[f64; 3]> = nodes.map(change).collect();
         let median =
-            geometric_median(&changes).map(|d| quantised(d, dictionary.step as f64, BOUND));
+            geometric_median(&changes).map(|d| quantised(d, dictionary.step as f64, f64::INFINITY));
         bits += median.iter().map(|&value| u64::from(table.code_length(value))).sum::<u64>();
         median
     };
@@ -158,7 +153,7 @@ mod tests {
         step: u8,
     ) -> u64 {
         let mut motion = MotionFrame::default();
-        code_translations(frame, group, choice, step, &mut motion);
+        code_translations(frame, group, choice, step, 1 << 28, &mut motion);
         let bits = |values: &[[i32; 3]], table: u8| -> u64 {
             let length = |&value: &i32| u64::from(cauchy_table(table).code_length(value));
             values.as_flattened().iter().map(length).sum()

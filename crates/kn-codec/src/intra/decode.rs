@@ -249,7 +249,8 @@ impl<'a> Sections<'a> {
             rest.split_at_checked(header.connectivity_bytes as usize).ok_or(broken)?;
         let (geometry, labels) =
             rest.split_at_checked(header.geometry_bytes as usize).ok_or(broken)?;
-        if labels.len() != header.label_bytes as usize {
+        if labels.len() != header.label_bytes as usize || (!header.has_labels && !labels.is_empty())
+        {
             return Err(broken);
         }
         let at_geometry = start + connectivity.len();

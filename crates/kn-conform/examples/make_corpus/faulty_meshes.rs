@@ -36,6 +36,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             "40000 vertices, which the level allows, in 16 bytes, which cannot hold them: refuse before allocating.",
             &[0, 0, 0xc0, 0xb8, 0x02, 0xc0, 0xb8, 0x02, 0, 0, 0, 0, 0, 1, 0, 0],
         ),
+        spare_label_section(&unlabelled),
         nodes_on_nothing()?,
     ];
     for (rule, payload) in damaged_payloads()? {
@@ -109,6 +110,17 @@ fn spare_bytes() -> Result<Vec<u8>, Box<dyn Error>> {
     payload.splice(end..end, [0; 16]);
     payload[GEOMETRY_SIZE] += 16;
     Ok(payload)
+}
+
+/// A label section where the flags promise none. The counts of this mesh are below 128 too.
+fn spare_label_section(unlabelled: &[u8]) -> Draft {
+    const LABEL_SIZE: usize = 2 + 8;
+    let mut payload = unlabelled.to_vec();
+    payload[LABEL_SIZE] = 1;
+    payload.push(0);
+    let danger = "A byte of labels in a payload without labels.";
+    let draft = draft("label_section_spare", "intra.sections.size", danger, &payload);
+    Draft { text: draft.text.replace("label_set = 1", "label_set = 0"), ..draft }
 }
 
 /// Every prefix, every flipped bit, and every byte replaced by a few others.

@@ -36,6 +36,13 @@ impl<'a> Setting<'a> {
         self.source.positions.len()
     }
 
+    /// How many regions have a vertex.
+    pub(super) fn regions(&self) -> usize {
+        let mut present = [false; 256];
+        self.source.regions.unwrap_or(&[0]).iter().for_each(|&r| present[usize::from(r)] = true);
+        present.iter().filter(|&&present| present).count()
+    }
+
     /// Prepares ranks by MSDM2.
     pub(super) fn with_msdm2(mut self) -> Result<Self, FitError> {
         let original = Msdm2Surface::new(&self.key.positions, &self.key.faces, DEFAULT_LEVELS);

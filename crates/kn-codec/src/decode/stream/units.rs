@@ -41,7 +41,7 @@ impl StreamDecoder {
         self.level = header.limits().ok_or(self.malformed(rule::HEADER_LEVEL_KNOWN, at))?;
         self.group = Reconstruction::new(&header);
         self.header = Some(header);
-        self.stage = Stage::FirstGroup;
+        self.stage = Stage::BeforeGroup;
         self.frame_bytes = 0;
         Ok(Step::Continue)
     }
@@ -51,7 +51,7 @@ impl StreamDecoder {
         // The payload is the last element, so it begins where the reader ends.
         let payload_start = bits.position() - 8 * frame.payload.len() as u64;
         bits.finish().map_err(|error| self.at(error))?;
-        self.begin_group();
+        self.begin_group()?;
         let limits = IntraLimits {
             max_vertices: self.limits.max_vertices.min(self.level.max_vertices),
             max_faces: self.limits.max_faces.min(self.level.max_faces),
@@ -72,19 +72,21 @@ impl StreamDecoder {
     }
 
     /// A new group begins at the current unit.
-    fn begin_group(&mut self) {
-        self.close_group();
+    fn begin_group(&mut self) -> Result<(), DecodeError> {
+        self.close_group()?;
         self.group_start = self.offset;
         self.groups.push(IndexGroup { bytes: 0, frames: 0 });
+        Ok(())
     }
 
-    /// The last group ends before the current unit. Sizes beyond 4 GiB saturate and then cannot
-    /// match an index.
-    fn close_group(&mut self) {
-        let bytes = u32::try_from(self.offset - self.group_start).unwrap_or(u32::MAX);
+    /// The last group ends before the current unit. No index can match one of 4 GiB or more.
+    fn close_group(&mut self) -> Result<(), DecodeError> {
+        let bytes = u32::try_from(self.offset - self.group_start);
+        let bytes = bytes.map_err(|_| self.malformed(rule::INDEX_GROUPS_MATCH, 8 * self.offset))?;
         if let Some(group) = self.groups.last_mut() {
             group.bytes = bytes;
         }
+        Ok(())
     }
 
     fn check_labels(&self, at: u64) -> Result<(), DecodeError> {
@@ -189,7 +191,7 @@ impl StreamDecoder {
         let index = Index::read(&mut bits, size, self.max_group_length())
             .map_err(|error| self.at(error))?;
         bits.finish().map_err(|error| self.at(error))?;
-        self.close_group();
+        self.close_group()?;
         if index.groups != self.groups {
             return Err(self.malformed(rule::INDEX_GROUPS_MATCH, at));
         }
