@@ -15,10 +15,10 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 /// Bytes for each face, and for each vertex, of any payload, as [`decode_intra`] states.
 const PER_FACE: usize = 1500;
 const PER_VERTEX: usize = 60;
-/// Bytes for each byte of a payload, as `docs/notes/intra.md` states.
-const FACTOR: usize = 2048 * PER_ELEMENT;
-/// Bytes for each face or vertex of a sound mesh, as stated there.
+/// Bytes for each face or vertex of a scan, about a hundred by `docs/notes/intra.md`.
 const PER_ELEMENT: usize = 128;
+/// Bytes for each byte of a payload that announces more than it has.
+const FACTOR: usize = 1024;
 /// Tables and models, whatever the payload.
 const FIXED: usize = 1 << 20;
 

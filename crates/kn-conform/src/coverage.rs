@@ -34,8 +34,8 @@ pub fn coverage<'s>(spec: &'s Spec, streams: &'s [Stream]) -> Vec<Covered<'s>> {
 
 fn cover<'s>(rule: &'s Rule, spec: &'s Spec, streams: &'s [Stream]) -> Covered<'s> {
     let examples = spec.examples.iter().filter(|example| match &example.expected {
-        Expected::Reject(id) if rule.is_requirement() => *id == rule.id,
-        _ => example.section == rule.section && !rule.is_requirement(),
+        Expected::Reject(id) => *id == rule.id,
+        Expected::Trace(_) => example.section == rule.section && !rule.is_requirement(),
     });
     let streams = streams.iter().filter(|stream| {
         let description = &stream.description;

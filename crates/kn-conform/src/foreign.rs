@@ -37,10 +37,13 @@ pub fn run_foreign(command: &str, path: &Path, limit: Duration) -> Outcome {
         Ok(None) => Outcome::NotRun(format!("no answer in {} s", limit.as_secs_f64())),
         Ok(Some(status)) => {
             let text = |stream: mpsc::Receiver<String>| stream.recv().unwrap_or_default();
-            if status.success() {
-                Outcome::Frames(text(out).lines().map(|line| line.trim().to_owned()).collect())
-            } else {
-                Outcome::Refused { rule: None, message: text(err).trim().to_owned() }
+            match status.code() {
+                Some(0) => {
+                    Outcome::Frames(text(out).lines().map(|line| line.trim().to_owned()).collect())
+                }
+                Some(_) => Outcome::Refused { rule: None, message: text(err).trim().to_owned() },
+                // A decoder that dies has not judged the stream.
+                None => Outcome::NotRun(format!("{program} was ended by a signal ({status})")),
             }
         }
     }

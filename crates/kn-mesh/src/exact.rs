@@ -45,7 +45,7 @@ impl std::error::Error for ExactGridError {}
 
 impl Default for ExactGrid {
     fn default() -> Self {
-        let halves = (1..=20).map(|n| 0.5f64.powi(n));
+        let halves = (1..=20).map(|n| 1.0 / f64::from(1 << n));
         // Written out: a power of 0.1 is not the number nearest to the decimal.
         let tenths = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
         let mut steps: Vec<f64> = std::iter::once(1.0).chain(halves).chain(tenths).collect();

@@ -157,7 +157,8 @@ impl BoundingBox {
 
     /// The length of the diagonal.
     pub fn diagonal(&self) -> f64 {
-        (0..3).map(|axis| (self.max[axis] - self.min[axis]).powi(2)).sum::<f64>().sqrt()
+        let side = |axis: usize| self.max[axis] - self.min[axis];
+        (0..3).map(|axis| side(axis) * side(axis)).sum::<f64>().sqrt()
     }
 }
 

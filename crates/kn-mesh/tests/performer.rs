@@ -41,7 +41,8 @@ fn euler_characteristic(mesh: &Mesh) -> i64 {
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
-    (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+    let side = |i: usize| f64::from(a[i] - b[i]);
+    (0..3).map(|i| side(i) * side(i)).sum::<f64>().sqrt()
 }
 
 /// The value below which `share` of the values lie.
@@ -180,7 +181,8 @@ fn noise_moves_the_surface_by_millimetres() {
     let noisy = performer(PerformerConfig { noise: 1.0, ..clean(Action::Stand) });
     let away = |p: &Performer| {
         let mesh = p.frame(4);
-        let squares = mesh.positions.iter().map(|&at| smooth.distance(4, at).powi(2));
+        let distances = mesh.positions.iter().map(|&at| smooth.distance(4, at));
+        let squares = distances.map(|distance| distance * distance);
         (squares.sum::<f64>() / mesh.positions.len() as f64).sqrt()
     };
     let (without, with) = (away(&smooth), away(&noisy));

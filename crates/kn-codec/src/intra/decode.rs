@@ -45,7 +45,7 @@ pub struct IntraDecoder {
 /// Safe on untrusted input: returns an error or a mesh with indices in range, never panics, and
 /// allocates at most about 1.5 kB for each face and 60 bytes for each vertex that the header
 /// announces; it announces no more than `limits` allow, and no more than 2048 of both together for a
-/// byte of payload. (Scans take 250 bytes a face.) On an error the mesh is empty.
+/// byte of payload. (Triangles that touch no other take 600 bytes each, scans 150.) On an error the mesh is empty.
 ///
 /// # Errors
 /// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].

@@ -37,6 +37,26 @@ pub(crate) const SINCOS_CONSTANTS: [u64; 3] =
 pub(crate) const EXP_CONSTANTS: [u64; 3] =
     [0x3FF7_1547_652B_82FE, 0x3FE6_2E42_FEE0_0000, 0x3DEA_39EF_3579_3C76];
 
+/// 8.1: P and C.
+pub(crate) const SINE: [f64; 7] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+pub(crate) const COSINE: [f64; 7] = [
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+
 /// Slots of a vertex: node and weight.
 pub(crate) type Slots = Vec<(usize, f64)>;
 
@@ -99,29 +119,11 @@ fn horner(coefficients: &[f64], z: f64) -> f64 {
 /// 8.1: (sine, cosine).
 pub(crate) fn sincos(a: f64) -> (f64, f64) {
     let [head, tail, two_over_pi] = SINCOS_CONSTANTS.map(f64::from_bits);
-    let sine = [
-        -1.0 / 6.0,
-        1.0 / 120.0,
-        -1.0 / 5040.0,
-        1.0 / 362_880.0,
-        -1.0 / 39_916_800.0,
-        1.0 / 6_227_020_800.0,
-        -1.0 / 1_307_674_368_000.0,
-    ];
-    let cosine = [
-        -1.0 / 2.0,
-        1.0 / 24.0,
-        -1.0 / 720.0,
-        1.0 / 40_320.0,
-        -1.0 / 3_628_800.0,
-        1.0 / 479_001_600.0,
-        -1.0 / 87_178_291_200.0,
-    ];
     let k = (a * two_over_pi).round_ties_even();
     let r = (a - k * head) - k * tail;
     let z = r * r;
-    let s = r + r * (z * horner(&sine, z));
-    let c = 1.0 + z * horner(&cosine, z);
+    let s = r + r * (z * horner(&SINE, z));
+    let c = 1.0 + z * horner(&COSINE, z);
     match (k as i64).rem_euclid(4) {
         0 => (s, c),
         1 => (c, -s),
@@ -130,22 +132,27 @@ pub(crate) fn sincos(a: f64) -> (f64, f64) {
     }
 }
 
-/// 8.1: e^(−x) for x ≥ 0.
-pub(crate) fn expneg(x: f64) -> f64 {
-    if x > 700.0 {
-        return 0.0;
-    }
-    let [log2_e, head, tail] = EXP_CONSTANTS.map(f64::from_bits);
+/// 8.1: E, the inverse factorials up to 12.
+pub(crate) fn exponential() -> Vec<f64> {
     let mut coefficients = vec![1.0];
     let mut factorial = 1.0;
     for n in 1..=12 {
         factorial *= f64::from(n);
         coefficients.push(1.0 / factorial);
     }
+    coefficients
+}
+
+/// 8.1: e^(−x) for x ≥ 0.
+pub(crate) fn expneg(x: f64) -> f64 {
+    if x > 700.0 {
+        return 0.0;
+    }
+    let [log2_e, head, tail] = EXP_CONSTANTS.map(f64::from_bits);
     let k = (x * log2_e).round_ties_even();
     let r = -((x - k * head) - k * tail);
     // 2^(−k) is a normal number: k is at most 1010.
-    horner(&coefficients, r) * f64::from_bits(((1023 - k as i64) as u64) << 52)
+    horner(&exponential(), r) * f64::from_bits(((1023 - k as i64) as u64) << 52)
 }
 
 /// 8.3: the rows of A.

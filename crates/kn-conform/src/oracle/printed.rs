@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::BODY_REGIONS;
-use super::deform::{EXP_CONSTANTS, SINCOS_CONSTANTS};
+use super::deform::{COSINE, EXP_CONSTANTS, SINCOS_CONSTANTS, SINE, exponential};
+use super::smooth::STRENGTHS;
 use super::spread::WEIGHTS;
 
 fn chapter(name: &str) -> String {
@@ -57,6 +58,37 @@ fn the_constants_of_the_elementary_functions() {
     let printed: Vec<u64> =
         words.map(|word| u64::from_str_radix(&word, 16).expect("a word")).collect();
     assert_eq!(printed, [SINCOS_CONSTANTS, EXP_CONSTANTS].concat());
+}
+
+/// Fractions such as `−1/6`, between two pieces of the text.
+fn fractions(text: &str, from: &str, to: &str) -> Vec<f64> {
+    let list = text.split(from).nth(1).and_then(|rest| rest.split(to).next()).expect("a list");
+    let number = |n: &str| n.parse::<f64>().expect("a number");
+    let fraction = |fraction: &str| {
+        let fraction = fraction.trim().replace('−', "-");
+        fraction.split_once('/').map_or_else(|| number(&fraction), |(a, b)| number(a) / number(b))
+    };
+    list.split(',').map(fraction).collect()
+}
+
+#[test]
+fn the_coefficients_of_the_elementary_functions() {
+    let text = chapter("08-deformation.md");
+    assert_eq!(fractions(&text, "    P: ", "\n"), SINE);
+    assert_eq!(fractions(&text, "    C: ", "\n"), COSINE);
+    assert_eq!(fractions(&text, "and the coefficients ", ".\n"), exponential());
+}
+
+#[test]
+fn the_strengths_of_smoothing() {
+    let text = chapter("08-deformation.md");
+    let printed = rows(&text, "r[smooth.strength]");
+    let numbers = |row: &[&str]| -> Vec<f64> {
+        row[1..].iter().map(|cell| cell.parse().expect("a number")).collect()
+    };
+    assert_eq!(printed.len(), 2);
+    assert_eq!(numbers(&printed[0]), STRENGTHS.map(|(mu, _)| mu));
+    assert_eq!(numbers(&printed[1]), STRENGTHS.map(|(_, omega)| omega));
 }
 
 #[test]

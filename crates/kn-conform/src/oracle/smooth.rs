@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// μ and ω of the strengths 1 to 5.
-const STRENGTHS: [(f64, f64); 5] =
+pub(super) const STRENGTHS: [(f64, f64); 5] =
     [(0.125, 0.875), (0.25, 0.75), (0.5, 0.625), (1.0, 0.4375), (2.0, 0.28125)];
 
 /// Positions (#V × 3) of a decoded I-frame to its reference.

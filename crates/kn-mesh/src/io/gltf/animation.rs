@@ -200,6 +200,7 @@ fn slerp(a: &[f64], b: &[f64], s: f64) -> Vec<f64> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods)]
 mod tests {
     use super::*;
 
