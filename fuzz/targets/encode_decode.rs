@@ -4,8 +4,9 @@
 
 use std::io::Cursor;
 
+use kn_bitstream::MAX_SMOOTHING;
 use kn_codec::{AffineChoice, CombinationChoice, Decoder, Encoder, EncoderConfig, GridChoice};
-use kn_codec::{LabelChoice, NodeChoice, StepChoice};
+use kn_codec::{LabelChoice, NodeChoice, SmoothingChoice, StepChoice};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
@@ -74,6 +75,10 @@ impl Case {
                 1 => AffineChoice::All,
                 2 => AffineChoice::Cost,
                 _ => AffineChoice::Labels(vec![self.affine % 15]),
+            },
+            smoothing: match self.affine / 4 % 8 {
+                strength if strength <= MAX_SMOOTHING => SmoothingChoice::Strength(strength),
+                _ => SmoothingChoice::Auto,
             },
             weights: match self.weights % 3 {
                 0 => WeightScheme::InverseSquare,
