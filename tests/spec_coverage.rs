@@ -23,6 +23,108 @@ fn ids_are_unique() {
     }
 }
 
+/// What stands outside rules and may: how a paragraph begins, by chapter. Introductions, and what is
+/// said of the specification itself.
+const WITHOUT_RULE: &[(&str, &str)] = &[
+    ("01-conventions.md", "\"shall\" says what every stream obeys"),
+    ("01-conventions.md", "Each rule begins with a line of its own"),
+    ("01-conventions.md", "A worked example gives the structure"),
+    ("02-descriptors.md", "In table 8 the first symbols"),
+    ("06-semantics.md", "The elements in the order of the tables"),
+    ("06-semantics.md", "The rules of 3.1 and 3.2 apply."),
+    ("06-semantics.md", "The values of a P-frame are in chapter 7."),
+    ("08-deformation.md", "Rounding to a grid makes a fine mesh bumpier"),
+    ("09-conformance.md", "`conformance/` holds small synthetic streams"),
+    ("09-conformance.md", "- `NAME.knm`, the stream;"),
+    ("09-conformance.md", "`kn conform --stream FILE.knm` says"),
+];
+
+#[test]
+fn every_clause_has_a_rule() {
+    let mut loose = Vec::new();
+    let mut exempt = BTreeSet::new();
+    for path in chapters() {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&path).expect("a chapter");
+        for (line, paragraph) in paragraphs_without_rule(&text) {
+            let known = |(chapter, start): &&(&str, &str)| {
+                *chapter == name.as_str() && paragraph.starts_with(start)
+            };
+            match WITHOUT_RULE.iter().find(known) {
+                Some(entry) => drop(exempt.insert(*entry)),
+                None => loose.push(format!("{name}:{line}: {paragraph}")),
+            }
+        }
+    }
+    assert!(loose.is_empty(), "a rule id or an entry in WITHOUT_RULE for: {loose:#?}");
+    assert_eq!(exempt.len(), WITHOUT_RULE.len(), "exempt, but not in the text");
+}
+
+/// The chapters that bind: all but the scope.
+fn chapters() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(spec_folder()).expect("the specification").flatten();
+    let binds = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.ends_with(".md")
+            && name.starts_with(|c: char| c.is_ascii_digit())
+            && !name.starts_with("00")
+    };
+    let chapters: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(binds).collect();
+    assert_eq!(chapters.len(), 9);
+    chapters
+}
+
+/// Paragraphs, lists, tables and formulas that belong to no rule: in front of the first of their
+/// section, or behind a note or an example. Notes bind nobody, walkthroughs are examples, and
+/// syntax tables and examples stand for themselves.
+fn paragraphs_without_rule(text: &str) -> Vec<(usize, &str)> {
+    let mut found = Vec::new();
+    let (mut in_rule, mut in_walkthrough) = (false, false);
+    // The kind of block inside its fences, and whether the line before is of the same paragraph.
+    let (mut block, mut in_paragraph) = (None, false);
+    for (number, line) in (1..).zip(text.lines()) {
+        if let Some(kind) = line.strip_prefix("```") {
+            let opened = block.is_none();
+            let stands = in_rule || in_walkthrough || matches!(kind, "syntax" | "example");
+            if opened && !stands {
+                found.push((number, line));
+            }
+            in_rule &= kind != "example";
+            block = opened.then_some(kind);
+            in_paragraph = false;
+        } else if block.is_some() {
+        } else if line.starts_with("r[") && line.ends_with(']') {
+            (in_rule, in_paragraph) = (true, false);
+        } else if line.starts_with('#') {
+            (in_rule, in_paragraph) = (false, false);
+            in_walkthrough = line.ends_with("Walkthrough");
+        } else if line.is_empty() {
+            in_paragraph = false;
+        } else if !in_paragraph {
+            in_paragraph = true;
+            let note = line.starts_with("*Note.") || line.starts_with("> Note.");
+            in_rule &= !note;
+            if !(note || in_rule || in_walkthrough) {
+                found.push((number, line));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn paragraphs_without_a_rule_are_seen() {
+    let starts = |text| -> Vec<usize> {
+        paragraphs_without_rule(text).into_iter().map(|(number, _)| number).collect()
+    };
+    assert_eq!(starts("# 1\n\nloose,\nits second line\n\nr[a.b]\nclause\n\ngoes on\n"), [3]);
+    assert_eq!(starts("r[a.b]\nclause\n\n```text\nx\n```\n\nof it\n\n## 2\n\nloose\n"), [12]);
+    assert_eq!(starts("r[a.b]\nclause\n\n*Note. x\ny*\n\nloose\n\n| a |\n"), [7, 9]);
+    assert_eq!(starts("```syntax\nx\n```\n\n```example\nx\n```\n\n```text\nx\n```\n"), [9]);
+    assert_eq!(starts("### Walkthrough\n\nx\n\n```text\nx\n```\n"), [0; 0]);
+    assert_eq!(starts("r[a.b]\nclause\n\n```example\nx\n```\n\nloose\n"), [8]);
+}
+
 #[test]
 fn what_the_text_asks_of_streams_the_code_checks_and_the_reverse() {
     let spec = spec();

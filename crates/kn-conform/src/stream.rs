@@ -1,4 +1,5 @@
-//! One stream: whether it obeys the specification, by three readers that share no code.
+//! One stream: whether it obeys the specification, by our decoder and two readings of the text that
+//! share no code with it. (The literal reading uses the tables' parser, labels and limits.)
 
 use std::fmt;
 use std::io::Cursor;

@@ -74,7 +74,10 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "conformance.profile.main",
             "conformance.levels",
             "conformance.exact",
+            "conformance.own_limits",
             "conformance.contract",
+            "descriptor.order",
+            "syntax.tables",
         ],
         &still(&plain),
         config(),
@@ -93,6 +96,8 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "deform.matrix",
             "deform.node",
             "deform.blend",
+            "deform.arithmetic",
+            "deform.reference",
             "conventions.binary64",
             "intra.labels.order",
             "intra.labels.vote",
@@ -108,6 +113,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
             "motion.absent",
             "deform.rotation",
             "deform.sincos",
+            "deform.constants",
             "deform.weights.inverse",
             "header.labels.meaning",
         ],
@@ -129,7 +135,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "groups",
         "Nothing of a group of frames is left in the next; the last group is short.",
-        &["conformance.access", "conformance.stages"],
+        &["conformance.access", "conformance.stages", "deform.influence.bound"],
         &long,
         EncoderConfig { group_length: 3, ..config() },
     )?;
@@ -166,6 +172,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
         "A sum of neighbours starts at 0 and adds them by rising index, not as faces name them.",
         &[
             "intra.smoothing.meaning",
+            "smooth.input",
             "smooth.strength",
             "smooth.neighbours",
             "smooth.operator",
@@ -197,7 +204,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "names",
         "Frames are named by the pattern; the header is longer by it.",
-        &["header.names.meaning"],
+        &["header.names.meaning", "conventions.tables"],
         &short(&plain),
         EncoderConfig {
             names: Some(NamePattern { prefix: "figure_".into(), digits: 4, first: 9 }),
@@ -207,7 +214,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "no_digests",
         "Without digests the faces_digest is absent too.",
-        &["frame.name.meaning"],
+        &["frame.name.meaning", "conventions.names"],
         &short(&plain),
         EncoderConfig { digests: false, ..config() },
     )?;
@@ -221,7 +228,12 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "open",
         "A mesh with a boundary, and a vertex that no face uses.",
-        &["intra.connectivity.new", "intra.geometry.isolated", "intra.faces.number"],
+        &[
+            "intra.decoded.order",
+            "intra.connectivity.new",
+            "intra.geometry.isolated",
+            "intra.faces.number",
+        ],
         &short(&opened(&plain)),
         config(),
     )?;
@@ -338,6 +350,7 @@ fn headless(label: u8) -> u8 {
 /// Section 7.5 and what uses it.
 const PATH: &[&str] = &[
     "motion.prediction.spatial",
+    "path.group",
     "path.plane",
     "path.mean",
     "path.graph",
@@ -356,6 +369,7 @@ const PATH: &[&str] = &[
 const INTRA: &[&str] = &[
     "conventions.integers",
     "conventions.floor",
+    "range.reads",
     "range.model",
     "range.model.probability",
     "range.model.adapt",
@@ -365,6 +379,9 @@ const INTRA: &[&str] = &[
     "range.renormalise",
     "range.end",
     "range.gamma",
+    "intra.mesh",
+    "intra.models",
+    "intra.connectivity.terms",
     "intra.connectivity.seed",
     "intra.connectivity.gate",
     "intra.connectivity.add",
@@ -376,6 +393,7 @@ const INTRA: &[&str] = &[
     "intra.geometry.around",
     "intra.geometry.ring",
     "intra.geometry.blend",
+    "intra.geometry.logarithm",
     "intra.geometry.spread",
     "intra.geometry.frame",
     "intra.geometry.coordinate",

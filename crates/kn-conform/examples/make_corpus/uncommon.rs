@@ -20,7 +20,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         "skippable_units",
         "Private units may stand anywhere between the header and the index; one may be empty, and \
          one stands between key nodes and motion.",
-        &["unit.skipped"],
+        &["unit.skipped", "semantics.reserved"],
         base.clone()
             .before("unit_type", 1, &["unit_type = 128", "skipped = x"])
             .before("unit_type", 4, &["unit_type = 255", "skipped = x0405060708"])
@@ -93,7 +93,12 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "largest_table",
         "Table 47 has codes of 20 bits, the longest there are.",
-        &["descriptor.huffman.lengths", "descriptor.huffman.codes", "descriptor.huffman.symbols"],
+        &[
+            "descriptor.huffman.tables",
+            "descriptor.huffman.lengths",
+            "descriptor.huffman.codes",
+            "descriptor.huffman.symbols",
+        ],
         base.clone().set("translation_step", 0, "0").set("translation_table", 0, "47").set(
             "translation",
             0,
@@ -158,7 +163,13 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     add(
         "largest_motion",
         "Steps at the top of their range, angles beyond a half turn.",
-        &["motion.step.parameter", "motion.rotation", "motion.scale", "deform.sincos"],
+        &[
+            "motion.exact",
+            "motion.step.parameter",
+            "motion.rotation",
+            "motion.scale",
+            "deform.sincos",
+        ],
         base.clone()
             .set("rotation_step", 0, "63")
             .set("rotation", 0, "1 -1 0 0 1 1")
@@ -232,6 +243,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         "knotted_mesh",
         "An edge of three faces, a face that repeats a vertex, a vertex without faces.",
         &[
+            "intra.decoded.order",
             "intra.join",
             "intra.join.twins",
             "intra.geometry.twins",

@@ -186,7 +186,13 @@ fn at_the_limit(
         }],
     };
     let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
-    scene.draft(name, danger, rule, &["deform.position.range", "deform.round"])
+    let covers: &[_] = match rule {
+        Some(_) => {
+            &["deform.position.range", "deform.round", "conventions.refusal", "conformance.verdict"]
+        }
+        None => &["deform.position.range", "deform.round"],
+    };
+    scene.draft(name, danger, rule, covers)
 }
 
 /// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
