@@ -165,7 +165,9 @@ fn a_frame_outside_the_grid() {
 fn output_that_cannot_be_written() {
     let scans = Scans::new();
     let mut arguments = scans.encode("scan/*.obj", &[]);
-    for (output, reason) in [("absent/a.knm", "No such file"), ("scan", "directory")] {
+    for (output, reason) in
+        [("absent/a.knm", "No such file"), ("scan", "a folder, but --output is a file")]
+    {
         arguments[3] = scans.text(output);
         let message = fails(&arguments);
         assert!(message.contains(output) && message.contains(reason), "{message}");

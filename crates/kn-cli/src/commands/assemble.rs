@@ -2,6 +2,7 @@
 
 use crate::Outcome;
 use crate::output::write_file;
+use crate::outputs::Outputs;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result};
 use kn_conform::{Spec, node_labels};
@@ -35,6 +36,7 @@ pub(crate) struct AssembleArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &AssembleArguments) -> Result<Outcome> {
     let name = stream::name_of(&arguments.input);
+    Outputs::beside([arguments.input.as_path()]).file("--output", &arguments.output)?;
     let spec = Spec::load(&arguments.spec)?;
     let mut input = Vec::new();
     let mut source = Source::open(&arguments.input)?;
