@@ -14,6 +14,7 @@ mod picture;
 mod progress;
 mod sequence;
 mod settings;
+mod specification;
 mod stream;
 mod table;
 
