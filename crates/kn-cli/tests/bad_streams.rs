@@ -162,6 +162,19 @@ fn a_wrong_digest_is_a_difference_and_no_error() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.contains("differs.knm: frame 2: the decoded positions do not match"), "{said}");
     assert_eq!(succeeds(["verify", &scans.text("a.knm")]).matches("all digests match").count(), 1);
+
+    // What is decoded or measured is checked too, also frames that are only passed on the way.
+    let (differs, out) = (scans.text("differs.knm"), scans.text("out"));
+    let scan = scans.text("scan");
+    for arguments in [
+        &["decode", &differs, "-o", &out][..],
+        &["decode", &differs, "-o", &out, "--partial"],
+        &["compare", &scan, &differs, "--fast"],
+    ] {
+        let message = fails(arguments);
+        assert!(message.contains("differs.knm: frame 2: the decoded positions"), "{message}");
+    }
+    assert!(!scans.path("out").exists());
 }
 
 /// CRC-32 of IEEE 802.3, bit by bit.
