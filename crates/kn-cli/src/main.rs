@@ -8,11 +8,13 @@ mod heatmap;
 mod interrupt;
 mod nearest;
 mod output;
+mod outputs;
 mod parts;
 mod picture;
 mod progress;
 mod sequence;
 mod settings;
+mod specification;
 mod stream;
 mod table;
 
@@ -62,9 +64,9 @@ fn prepare(global: &Global) -> anyhow::Result<()> {
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
-        cause
-            .downcast_ref::<io::Error>()
-            .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+        let own = cause.downcast_ref().map(io::Error::kind);
+        let inside = cause.downcast_ref().and_then(serde_json::Error::io_error_kind);
+        own.or(inside) == Some(io::ErrorKind::BrokenPipe)
     })
 }
 

@@ -2,6 +2,7 @@
 //! user presses Ctrl-C.
 
 use crate::interrupt::{MadeFolders, Unfinished};
+use crate::outputs::check_no_folder;
 use anyhow::{Context, Result};
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -10,6 +11,24 @@ use std::path::{Path, PathBuf};
 /// The path that means standard input or output.
 pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// How an output is called in messages.
+pub(crate) fn name_of(path: &Path) -> String {
+    if is_dash(path) { "standard output".into() } else { path.display().to_string() }
+}
+
+/// Prints a result: errors name standard output.
+pub(crate) fn print<T>(fill: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
+    write_file(Path::new("-"), fill)
+}
+
+/// Prints a value as JSON.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    print(|out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        Ok(writeln!(out)?)
+    })
 }
 
 /// Writes a file through `fill`: into a temporary file in the same folder that is renamed at the
@@ -21,23 +40,19 @@ pub(crate) fn write_file<T>(
     fill: impl FnOnce(&mut dyn Write) -> Result<T>,
 ) -> Result<T> {
     if is_dash(path) {
-        return fill_and_flush(io::stdout().lock(), Path::new("standard output"), fill);
+        return fill_and_flush(io::stdout().lock(), path, fill);
     }
     let special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     if special {
-        let file = fs::OpenOptions::new().write(true).open(path).with_context(|| named(path))?;
+        let file = fs::OpenOptions::new().write(true).open(path).with_context(|| name_of(path))?;
         return fill_and_flush(file, path, fill);
     }
     let (unfinished, temporary) = Unfinished::begin(|| temporary_beside(path), |file| file.path())
-        .with_context(|| named(path))?;
+        .with_context(|| name_of(path))?;
     let value = fill_and_flush(temporary.as_file(), path, fill)?;
     let persist = || temporary.persist(path).map_err(|failed| failed.error);
-    unfinished.finish(persist).with_context(|| named(path))?;
+    unfinished.finish(persist).with_context(|| name_of(path))?;
     Ok(value)
-}
-
-fn named(path: &Path) -> String {
-    path.display().to_string()
 }
 
 fn fill_and_flush<T>(
@@ -53,7 +68,7 @@ fn fill_and_flush<T>(
     let failed = writer.get_ref().failed;
     // After a failure the buffer is not written again when it is dropped.
     let _ = writer.into_parts();
-    filled.map_err(|error| if failed { error.context(named(path)) } else { error })
+    filled.map_err(|error| if failed { error.context(name_of(path)) } else { error })
 }
 
 /// Remembers whether writing has failed: only then an error is about the output.
@@ -83,16 +98,11 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
 
 fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = folder_of(path);
-    // Asked first for its message: the one of `tempfile_in` would name a random path.
-    fs::metadata(folder)?;
-    let mut builder = temporary_name();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // tempfile makes private files; the process's umask shall decide, as for any output.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder).map_err(|error| error.kind().into())
+    // Opened by us, not by tempfile: the process's umask shall decide about permissions, as for any
+    // output, and errors shall not name the random path.
+    temporary_name().make_in(folder, |path| {
+        fs::OpenOptions::new().read(true).write(true).create_new(true).open(path)
+    })
 }
 
 fn temporary_name() -> tempfile::Builder<'static, 'static> {
@@ -134,14 +144,16 @@ impl OutputFolder {
         self.made.folder().join(name)
     }
 
-    /// Puts all files in place, over files of the same names, and returns their number.
+    /// Puts all files in place, over files of the same names, and returns their number. What would
+    /// keep one of them out is found before the first is moved.
     pub(crate) fn publish(self) -> Result<usize> {
         // The folders are dropped last, when the temporary one is no longer in them.
         let Self { made, staging, unfinished, names } = self;
         unfinished.finish(|| {
             let staging = staging;
-            for name in &names {
-                let target = made.folder().join(name);
+            let targets = || names.iter().map(|name| (name, made.folder().join(name)));
+            targets().try_for_each(|(_, target)| check_no_folder(&target))?;
+            for (name, target) in targets() {
                 fs::rename(staging.path().join(name), &target)
                     .with_context(|| target.display().to_string())?;
             }

@@ -50,6 +50,14 @@ impl Sequence {
         Ok(Self::Scans { inputs, clean })
     }
 
+    /// The files that are read.
+    pub(crate) fn files(&self) -> Box<dyn Iterator<Item = &Path> + '_> {
+        match self {
+            Self::Scans { inputs, .. } => Box::new(inputs.files()),
+            Self::Stream(path) => Box::new(std::iter::once(path.as_path())),
+        }
+    }
+
     /// Begins with the first frame.
     pub(crate) fn reader(&self) -> Result<Reader> {
         Ok(match self {

@@ -71,9 +71,12 @@ pub(crate) fn name_of(path: &Path) -> String {
     if is_dash(path) { "standard input".into() } else { path.display().to_string() }
 }
 
-/// A decoder over a file or standard input.
+/// A decoder over a file or standard input, which compares frames with the digests that they carry:
+/// what is taken for the encoder's frames shall be that.
 pub(crate) fn open(path: &Path) -> Result<Decoder<Source>> {
-    Decoder::new(Source::open(path)?).with_context(|| name_of(path))
+    let mut decoder = Decoder::new(Source::open(path)?).with_context(|| name_of(path))?;
+    decoder.check_digests(true);
+    Ok(decoder)
 }
 
 /// Whether a path means a .knm stream; anything else is a mesh or a pattern of meshes.

@@ -5,6 +5,7 @@ mod common;
 
 use common::{Scans, command, fails, kn, stderr, succeeds};
 use std::fs;
+use std::process::Stdio;
 
 /// Replaces the third scan (frame 2) by `content` and expects an error with all of `parts`.
 #[track_caller]
@@ -105,7 +106,7 @@ fn polygons_are_cut_and_that_is_said() {
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("1 polygons cut into 2 triangles"), "{said}");
     assert!(said.contains("not carried: normals (1)"), "{said}");
-    assert!(succeeds(["info".into(), scans.text("a.knm")]).contains("1 frames"));
+    assert!(succeeds(["info".into(), scans.text("a.knm")]).contains("1 frame (1 I, 0 P)"));
 }
 
 #[test]
@@ -165,7 +166,9 @@ fn a_frame_outside_the_grid() {
 fn output_that_cannot_be_written() {
     let scans = Scans::new();
     let mut arguments = scans.encode("scan/*.obj", &[]);
-    for (output, reason) in [("absent/a.knm", "No such file"), ("scan", "directory")] {
+    for (output, reason) in
+        [("absent/a.knm", "No such file"), ("scan", "a folder, but --output is a file")]
+    {
         arguments[3] = scans.text(output);
         let message = fails(&arguments);
         assert!(message.contains(output) && message.contains(reason), "{message}");
@@ -205,6 +208,15 @@ fn a_full_disk() {
     assert!(message.contains("/dev/full: ") && message.contains("No space left"), "{message}");
 
     let stream = scans.encoded();
+    for (name, more) in [("info", &[][..]), ("info", &["--json"]), ("verify", &[]), ("dump", &[])] {
+        let device = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let mut run = command([name, &stream.to_string_lossy()]);
+        let output = run.args(more).stdout(Stdio::from(device)).output().expect("starts");
+        assert_eq!(output.status.code(), Some(2));
+        let said = stderr(&output);
+        assert!(said.starts_with("kn: error: standard output: No space left"), "{said}");
+    }
+
     // A limit of 8 blocks of 512 bytes stands in for a full disk; the signal must not end us.
     let script = "trap '' XFSZ; ulimit -f 8; exec \"$@\"";
     let run = |arguments: &[&str]| {

@@ -48,7 +48,9 @@ fn a_truncated_stream_is_refused_or_taken_in_part() {
         for cut in [end, end + 1] {
             fs::write(scans.path("cut.knm"), &bytes[..cut]).expect("written");
             let message = fails(["decode", &scans.text("cut.knm"), "-o", &scans.text("out")]);
-            let said = format!("the stream ends after {cut} bytes and {frames} whole frames");
+            let plural = if frames == 1 { "" } else { "s" };
+            let said =
+                format!("the stream ends after {cut} bytes and {frames} whole frame{plural},");
             assert!(message.contains("cut.knm: ") && message.contains(&said), "{message}");
             assert!(!scans.path("out").exists());
             let (input, output) = (scans.text("cut.knm"), scans.text("out"));
@@ -93,7 +95,8 @@ fn a_flipped_bit_is_a_crc_error_that_names_the_unit() {
         fs::write(scans.path("flip.knm"), &bytes).expect("written");
         let message = fails(["decode", &scans.text("flip.knm"), "-o", &scans.text("out")]);
         assert!(message.contains("flip.knm: frame "), "{message}");
-        assert!(message.contains("rule unit.crc.match"), "{message}");
+        assert!(message.contains("damaged: "), "{message}");
+        assert!(message.contains("(rule unit.crc.match)"), "{message}");
     }
     assert!(!scans.path("out").exists());
 }
@@ -108,11 +111,32 @@ fn a_header_that_promises_too_much() {
     assert!(message.contains("huge.knm: bit ") && message.contains("rule unit.size"), "{message}");
 
     fs::write(scans.path("other.knm"), "solid cube").expect("written");
-    let message = fails(["info", &scans.text("other.knm")]);
-    assert!(
-        message.contains("other.knm: bit 0: ") && message.contains("file.signature"),
-        "{message}"
-    );
+    let (other, out) = (scans.text("other.knm"), scans.text("out"));
+    for arguments in [&["info", &other][..], &["verify", &other], &["decode", &other, "-o", &out]] {
+        let message = fails(arguments);
+        let said = format!("{other}: this is not a .knm stream (rule file.signature.value)");
+        assert_eq!(message, said);
+    }
+}
+
+#[test]
+fn a_stream_without_a_whole_frame_has_nothing_to_take_in_part() {
+    let (scans, bytes) = encoded();
+    let dump = succeeds(["dump", &scans.text("a.knm")]);
+    let elements = elements(&dump);
+    let intra = elements.iter().find(|element| element.1 == "intra_payload").expect("a frame").0;
+    fs::write(scans.path("cut.knm"), &bytes[..intra + 9]).expect("written");
+    let (cut, out) = (scans.text("cut.knm"), scans.text("out"));
+    let output = kn(["decode", &cut, "-o", &out, "--partial"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains(&format!("{cut}: there is no whole frame in this file")), "{said}");
+    assert!(!scans.path("out").exists());
+    // With some frames it says how many.
+    fs::write(scans.path("cut.knm"), &bytes[..bytes.len() - 40]).expect("written");
+    let output = kn(["decode", &cut, "-o", &out, "--partial", "--frames", "7.."]);
+    let said = stderr(&output);
+    assert!(said.contains("there is no frame 7: the file holds 4 whole frames"), "{said}");
 }
 
 #[test]
@@ -138,6 +162,19 @@ fn a_wrong_digest_is_a_difference_and_no_error() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.contains("differs.knm: frame 2: the decoded positions do not match"), "{said}");
     assert_eq!(succeeds(["verify", &scans.text("a.knm")]).matches("all digests match").count(), 1);
+
+    // What is decoded or measured is checked too, also frames that are only passed on the way.
+    let (differs, out) = (scans.text("differs.knm"), scans.text("out"));
+    let scan = scans.text("scan");
+    for arguments in [
+        &["decode", &differs, "-o", &out][..],
+        &["decode", &differs, "-o", &out, "--partial"],
+        &["compare", &scan, &differs, "--fast"],
+    ] {
+        let message = fails(arguments);
+        assert!(message.contains("differs.knm: frame 2: the decoded positions"), "{message}");
+    }
+    assert!(!scans.path("out").exists());
 }
 
 /// CRC-32 of IEEE 802.3, bit by bit.

@@ -102,7 +102,13 @@ fn info_has_every_frame() {
     let stream = scans.encoded();
     let info = json(&succeeds([Path::new("info"), &stream, Path::new("--json")]));
     let keys: Vec<&String> = info.as_object().expect("an object").keys().collect();
-    assert_eq!(keys, ["bytes", "fps", "frames"]);
+    let expected = "bytes fps frames group_length influence labels level nodes_per_vertex origin step \
+                    unit up weights";
+    assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
+    let words = ["unit", "up", "weights", "influence", "labels"].map(|key| &info[key]);
+    assert_eq!(words, ["unspecified", "y", "sumner", "fallback", "body"]);
+    assert_eq!((&info["group_length"], &info["nodes_per_vertex"]), (&3.into(), &4.into()));
+    assert!(info["step"].as_f64().is_some_and(|step| step > 0.0));
     assert_eq!(info["bytes"], fs::metadata(&stream).expect("written").len());
     assert_eq!(info["fps"], 30.0);
     let frames = info["frames"].as_array().expect("an array");

@@ -51,7 +51,15 @@ fn a_broken_stream_is_named_by_its_rule() {
 fn a_stream_is_read_from_the_folder_of_the_specification_only() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nowhere = folder.path().to_string_lossy().into_owned();
-    fails(["conform", "--spec", &nowhere, "--stream", &stream("core/groups")]);
+    let groups = stream("core/groups");
+    for arguments in [&["conform", "--stream", &groups], &["assemble", &groups, "-o", "-"][..]] {
+        let message = fails(arguments.iter().chain(&["--spec", &nowhere]));
+        assert!(message.starts_with(&nowhere), "{message}");
+        assert!(
+            message.contains("name it with --spec FOLDER (spec/ in kn's sources)"),
+            "{message}"
+        );
+    }
     fails(["conform", "--spec", SPEC, "--stream", &format!("{nowhere}/absent.knm")]);
 }
 
@@ -60,6 +68,9 @@ fn stages_are_those_of_the_description() {
     let said = succeeds(["conform", "--spec", SPEC, "--stages", &stream("core/groups")]);
     let lines: Value = said.lines().collect();
     assert_eq!(lines, described("core/groups", "stages"));
+    let said = succeeds(["conform", "--spec", SPEC, "--stages", &stream("core/groups"), "--json"]);
+    let found: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(found["stages"], lines);
     let broken = stream("faulty/label_range");
     let message = fails(["conform", "--spec", SPEC, "--stages", &broken]);
     assert!(message.contains("intra.labels.range"), "{message}");
@@ -120,10 +131,12 @@ fn a_decoder_passes_by_its_lines_and_exit_codes() {
 }
 
 #[test]
-fn a_decoder_that_cannot_run_fails_every_stream() {
+fn a_decoder_that_cannot_run_is_an_error_and_no_verdict() {
     let trial = Trial::new("");
     let corpus = trial.0.path().join("corpus").to_string_lossy().into_owned();
-    let said = ends(1, &["conform", &corpus, "--decoder", "/no/such/decoder"]);
-    assert_eq!(said.matches("FAILED").count(), 2, "{said}");
-    assert!(said.contains("0 of 1 passed"), "{said}");
+    for decoder in ["/no/such/decoder", "no-such-decoder", &corpus] {
+        let message = fails(["conform", &corpus, "--decoder", decoder]);
+        assert!(message.contains(decoder) && message.contains("cannot be run"), "{message}");
+    }
+    assert!(fails(["conform", &corpus, "--decoder", " "]).contains("no command"));
 }

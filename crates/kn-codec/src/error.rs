@@ -1,5 +1,6 @@
 //! Errors by who can act on them, with a place and a rule.
 
+use kn_bitstream::rule::{FILE_SIGNATURE_VALUE, UNIT_CRC_MATCH};
 use std::fmt;
 
 /// Why a stream cannot be decoded. One word wide.
@@ -99,17 +100,29 @@ impl fmt::Display for DecodeError {
         use DecodeErrorKind as Kind;
         match &*self.0 {
             Kind::Io(error) => write!(f, "cannot read the stream: {error}"),
-            Kind::Malformed { rule, at, frame: Some(frame) } => {
-                write!(f, "frame {frame}, bit {at}: the stream breaks rule {rule}")
+            Kind::Malformed { rule: FILE_SIGNATURE_VALUE, .. } => {
+                write!(f, "this is not a .knm stream (rule {FILE_SIGNATURE_VALUE})")
             }
-            Kind::Malformed { rule, at, frame: None } => {
-                write!(f, "bit {at}: the stream breaks rule {rule}")
+            &Kind::Malformed { rule, at, frame } => {
+                if let Some(frame) = frame {
+                    write!(f, "frame {frame}, ")?;
+                }
+                match rule {
+                    UNIT_CRC_MATCH => write!(
+                        f,
+                        "bit {at}: damaged: the bytes before do not match their CRC (rule {rule})"
+                    ),
+                    _ => write!(f, "bit {at}: the stream breaks rule {rule}"),
+                }
             }
-            Kind::Truncated { bytes, frames } => write!(
-                f,
-                "the stream ends after {bytes} bytes and {frames} whole frames, before its index \
-                 (rule file.order)"
-            ),
+            Kind::Truncated { bytes, frames } => {
+                let plural = if *frames == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "the stream ends after {bytes} bytes and {frames} whole frame{plural}, before \
+                     its index (rule file.order)"
+                )
+            }
             Kind::Unsupported { rule, at } => {
                 write!(
                     f,

@@ -2,21 +2,24 @@
 
 use crate::Outcome;
 use crate::output::write_file;
+use crate::outputs::Outputs;
+use crate::specification;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result};
-use kn_conform::{Spec, node_labels};
+use kn_conform::node_labels;
 use std::io::Read;
 use std::path::PathBuf;
 
 /// Make a stream from a text of syntax elements, also one that no encoder would write
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-A text has lines `name = values` in the order of the syntax tables; sizes, CRCs and the index may be
-left out. The streams in spec/conformance have such texts beside them.
+A text has lines `name = values` in the order of the syntax tables; sizes, CRCs and the index may
+be left out. The streams in spec/conformance have such texts beside them. The tables are those of
+the folder spec/ of kn's sources, which has to be here or named by --spec.
 
 Examples:
   kn assemble x.txt -o x.knm
-  kn assemble dance.knm --reverse -o dance.txt")]
+  kn assemble dance.knm --reverse -o dance.txt --spec ~/kn/spec")]
 pub(crate) struct AssembleArguments {
     /// The text; - is standard input
     #[arg(value_name = "FILE")]
@@ -35,7 +38,8 @@ pub(crate) struct AssembleArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &AssembleArguments) -> Result<Outcome> {
     let name = stream::name_of(&arguments.input);
-    let spec = Spec::load(&arguments.spec)?;
+    Outputs::beside([arguments.input.as_path()]).file("--output", &arguments.output)?;
+    let spec = specification::load(&arguments.spec)?;
     let mut input = Vec::new();
     let mut source = Source::open(&arguments.input)?;
     source.read_to_end(&mut input).with_context(|| name.clone())?;

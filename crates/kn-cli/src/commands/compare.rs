@@ -4,15 +4,16 @@ mod output;
 
 use crate::arguments::{FrameRange, Global};
 use crate::distortion::{self, Measures, Scale, Surface};
-use crate::output::write_file;
+use crate::output::{is_dash, print, print_json, write_file};
+use crate::outputs::Outputs;
 use crate::sequence::{Frame, Reader, Sequence};
+use crate::table::counted;
 use crate::{Outcome, heatmap, progress, stream};
 use anyhow::{Context, Result, bail};
-use kn_mesh::BoundingBox;
-use kn_mesh::io::write_mesh_with_scalar;
+use kn_mesh::io::{check_scalar_format, write_mesh_with_scalar};
 use kn_mesh::parts::PART_NAMES;
+use kn_mesh::{BoundingBox, Mesh};
 use output::{Comparison, FrameRow};
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Measure the distortion between two meshes or sequences
@@ -21,7 +22,7 @@ use std::path::PathBuf;
 Each side is a mesh (OBJ, PLY, OFF, glTF), a folder, a pattern in quotes, or a .knm file. Relative
 distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
-encoding, they are welded too. Sequences of different length are an error, unless --frames names
+encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of different length are an error, unless --frames names
 only frames that both have.
 
 Exit codes: 0 measured, 2 an error.
@@ -40,7 +41,7 @@ pub(crate) struct CompareArguments {
     /// What is measured against it
     #[arg(value_name = "OTHER")]
     other: PathBuf,
-    /// Print JSON: {mean, frames, box}
+    /// Print JSON: {mean, mean_predicted, frames, box}; mean_predicted is of the P-frames of a stream
     #[arg(long)]
     json: bool,
     /// Also write a row per frame to this file; - is standard output, without the table
@@ -113,9 +114,11 @@ pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outco
     let (labelled, labels) = (arguments.part.is_some(), arguments.labels.as_deref());
     let reference = Sequence::open(&arguments.reference, clean, labelled, labels)?;
     let other = Sequence::open(&arguments.other, clean, labelled, None)?;
+    arguments.check_outputs(&reference, &other)?;
     let bounds = reference.bounds()?;
-    let comparison = arguments.measure(&reference, &other, &bounds, global)?;
+    let (comparison, drawn) = arguments.measure(&reference, &other, &bounds, global)?;
     arguments.print(&comparison)?;
+    arguments.write(&comparison, drawn)?;
     Ok(Outcome::Good)
 }
 
@@ -126,38 +129,49 @@ impl CompareArguments {
         other: &Sequence,
         bounds: &BoundingBox,
         global: &Global,
-    ) -> Result<Comparison> {
+    ) -> Result<(Comparison, Drawn)> {
         let scale = Scale::from(*bounds);
         let fast = self.fast || self.part.is_some();
         let measures = if fast { Measures::DISTANCE } else { Measures::ALL };
         let bar = progress::bar(global, "measuring", None);
         let (mut left, mut right) = (reference.reader()?, other.reader()?);
-        let mut frames = Vec::new();
+        let (mut frames, mut drawn) = (Vec::new(), Drawn::default());
+        let mut count = 0;
         while let Some((a, b)) = self.next_pair(&mut left, &mut right)? {
             let index = a.index;
+            count = index + 1;
             if self.frames.contains(index) {
-                let is_first = frames.is_empty();
-                frames.push(self.measure_pair(&a, &b, is_first, measures, &scale)?);
+                let first = frames.is_empty().then_some(&mut drawn);
+                frames.push(self.measure_pair(&a, &b, first, measures, &scale)?);
                 bar.step();
             }
             if index >= self.frames.last() {
                 break;
             }
         }
-        Comparison::new(frames, &scale).context("there is no frame to measure")
+        let comparison = Comparison::new(frames, &scale).with_context(|| {
+            let [reference, other] = self.names();
+            let (asked, there) = (self.frames.first(), counted(count, "frame"));
+            format!("there is no frame {asked} to measure: {reference} and {other} have {there}")
+        })?;
+        Ok((comparison, drawn))
+    }
+
+    fn names(&self) -> [String; 2] {
+        [&self.reference, &self.other].map(|path| stream::name_of(path))
     }
 
     fn measure_pair(
         &self,
         a: &Frame,
         b: &Frame,
-        is_first: bool,
+        first: Option<&mut Drawn>,
         measures: Measures,
         scale: &Scale,
     ) -> Result<FrameRow> {
         let surfaces = (surface(a, measures)?, surface(b, measures)?);
-        if is_first {
-            self.draw((a, &surfaces.0), (b, &surfaces.1))?;
+        if let Some(drawn) = first {
+            *drawn = self.draw((a, &surfaces.0), (b, &surfaces.1))?;
         }
         let distortion = match self.part {
             None => distortion::measure(&surfaces.0, &surfaces.1, scale, measures),
@@ -173,13 +187,13 @@ impl CompareArguments {
 
     /// The next frame of both sides; sequences of different length are an error.
     fn next_pair(&self, left: &mut Reader, right: &mut Reader) -> Result<Option<(Frame, Frame)>> {
+        let [reference, other] = self.names();
         let (short, long, index) = match (left.next_frame()?, right.next_frame()?) {
             (Some(a), Some(b)) => return Ok(Some((a, b))),
             (None, None) => return Ok(None),
-            (Some(a), None) => (&self.other, &self.reference, a.index),
-            (None, Some(b)) => (&self.reference, &self.other, b.index),
+            (Some(a), None) => (other, reference, a.index),
+            (None, Some(b)) => (reference, other, b.index),
         };
-        let (short, long) = (stream::name_of(short), stream::name_of(long));
         bail!("{short}: frame {index}: there is no such frame, but {long} has it")
     }
 
@@ -188,9 +202,10 @@ impl CompareArguments {
         &self,
         (a, surface_a): (&Frame, &Surface),
         (b, surface_b): (&Frame, &Surface),
-    ) -> Result<()> {
+    ) -> Result<Drawn> {
+        let mut drawn = Drawn::default();
         if self.heatmap.is_none() && self.values.is_none() {
-            return Ok(());
+            return Ok(drawn);
         }
         let [on_a, on_b] = match self.local {
             LocalError::Distance => {
@@ -200,40 +215,74 @@ impl CompareArguments {
                 surface_a.local_msdm2(surface_b).context("--local msdm2 needs MSDM2: no --fast")?
             }
         };
-        if let Some(path) = &self.heatmap {
+        if self.heatmap.is_some() {
             let what = match self.local {
                 LocalError::Distance => "distance between the surfaces",
                 LocalError::Msdm2 => "MSDM2",
             };
             let title = format!("{what}, frame {}", a.index);
             let sides = [("reference", &a.mesh, &on_a[..]), ("other", &b.mesh, &on_b[..])];
-            write_file(path, |out| heatmap::turntable(out, title, sides))?;
+            heatmap::turntable(&mut drawn.picture, title, sides)?;
         }
-        if let Some(path) = &self.values {
-            let values: Vec<f32> = on_b.iter().map(|&error| error as f32).collect();
-            write_mesh_with_scalar(path, &b.mesh, "error", &values)?;
+        if self.values.is_some() {
+            let values = on_b.iter().map(|&error| error as f32).collect();
+            drawn.values = Some((b.mesh.clone(), values));
+        }
+        Ok(drawn)
+    }
+
+    /// Before any work.
+    fn check_outputs(&self, reference: &Sequence, other: &Sequence) -> Result<()> {
+        let mut outputs = Outputs::beside(reference.files().chain(other.files()));
+        match &self.csv {
+            Some(csv) if is_dash(csv) => {}
+            _ => outputs.prints()?,
+        }
+        if let Some(csv) = &self.csv {
+            outputs.file("--csv", csv)?;
+        }
+        if let Some(heatmap) = &self.heatmap {
+            outputs.picture("--heatmap", heatmap)?;
+        }
+        if let Some(values) = &self.values {
+            check_scalar_format(values)?;
+            outputs.file("--values", values)?;
         }
         Ok(())
     }
 
+    /// The result; it comes before the files, which may fail.
     fn print(&self, comparison: &Comparison) -> Result<()> {
-        let mut out = io::stdout().lock();
-        if let Some(path) = &self.csv {
-            drop(out);
-            write_file(path, |out| Ok(comparison.write_csv(out)?))?;
-            if crate::output::is_dash(path) {
-                return Ok(());
-            }
-            out = io::stdout().lock();
+        if self.csv.as_deref().is_some_and(is_dash) {
+            return Ok(());
         }
         if self.json {
-            serde_json::to_writer_pretty(&mut out, comparison)?;
-            writeln!(out)?;
-        } else {
-            comparison.write_table(&mut out)?;
+            return print_json(comparison);
+        }
+        print(|out| Ok(comparison.write_table(out)?))
+    }
+
+    fn write(&self, comparison: &Comparison, drawn: Drawn) -> Result<()> {
+        if let Some(path) = &self.csv {
+            write_file(path, |out| Ok(comparison.write_csv(out)?))?;
+        }
+        if let Some(path) = &self.heatmap {
+            write_file(path, |out| Ok(out.write_all(&drawn.picture)?))?;
+        }
+        if let (Some(path), Some((mesh, values))) = (&self.values, &drawn.values) {
+            write_mesh_with_scalar(path, mesh, "error", values)?;
         }
         Ok(())
     }
+}
+
+/// What shows the first frame, where it was asked for.
+#[derive(Default)]
+struct Drawn {
+    /// A PNG file.
+    picture: Vec<u8>,
+    /// The other side's mesh and a difference per vertex.
+    values: Option<(Mesh, Vec<f32>)>,
 }
 
 fn surface(frame: &Frame, measures: Measures) -> Result<Surface> {

@@ -1,13 +1,17 @@
 //! `kn conform`: holds decoders and streams to the specification.
 
 use crate::Outcome;
+use crate::output::{print, print_json};
+use crate::specification;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result, bail, ensure};
-use kn_conform::{Report, Spec, load_corpus, run_foreign, run_ours_on};
+use kn_conform::{Report, load_corpus, run_foreign, run_ours_on};
 use serde::Serialize;
+use serde_json::json;
 use std::fmt::Display;
-use std::io::{self, Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Run a decoder over the conformance streams, or check one stream
@@ -15,10 +19,12 @@ use std::time::Duration;
 #[command(after_help = "\
 A decoder conforms if for every stream in core/ and uncommon/ it prints the expected line per frame
 (`index kind #V #F sha256`) and exits with 0, and for every stream in faulty/ it exits with another
-code. Without --decoder it is the decoder of this program.
+code. Without --decoder it is the decoder of this program. FOLDER is spec/conformance of kn's
+sources.
 
-A stream obeys the specification if this decoder, the syntax tables and a literal reading of the text
-take it and agree. They need the folder of the specification, and the last one time and memory.
+A stream obeys the specification if this decoder, the syntax tables and a literal reading of the
+text take it and agree. They read the folder spec/ of kn's sources, which has to be here or named by
+--spec; the last one needs time and memory.
 
 Exit codes: 0 it conforms, 1 it does not, 2 an error.
 
@@ -26,7 +32,7 @@ Examples:
   kn conform spec/conformance
   kn conform spec/conformance --decoder 'python3 spec/reference/kn_decode.py'
   kn conform spec/conformance --json
-  kn conform --stream dance.knm
+  kn conform --stream dance.knm --spec ~/kn/spec
   kn conform --stages spec/conformance/core/groups.knm")]
 pub(crate) struct ConformArguments {
     /// The folder with core/, uncommon/ and faulty/
@@ -49,7 +55,7 @@ pub(crate) struct ConformArguments {
     #[arg(long, value_name = "FOLDER", default_value = "spec")]
     spec: PathBuf,
     /// Print JSON: {verdicts: [{stream, passed, reason}]}, or of a stream
-    /// {passed, frames, findings: [{reader, passed, rule, reason}]}
+    /// {passed, frames, findings: [{reader, passed, rule, reason}]}, or {stages: [line]}
     #[arg(long)]
     json: bool,
 }
@@ -57,21 +63,37 @@ pub(crate) struct ConformArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &ConformArguments) -> Result<Outcome> {
     if let Some(file) = &arguments.stages {
-        return print_stages(file, &arguments.spec);
+        return print_stages(file, &arguments.spec, arguments.json);
     }
     if let Some(file) = &arguments.stream {
-        let report = Spec::load(&arguments.spec)?.check_stream(&read(file)?);
-        return print(&report, report.passed, arguments.json);
+        let report = specification::load(&arguments.spec)?.check_stream(&read(file)?);
+        return print_report(&report, report.passed, arguments.json);
     }
     let Some(corpus) = &arguments.corpus else { bail!("no folder and no stream") };
     let streams = load_corpus(corpus)?;
     ensure!(!streams.is_empty(), "{}: there is no stream in this folder", corpus.display());
     let limit = Duration::from_secs(u64::from(arguments.timeout));
+    if let Some(command) = &arguments.decoder {
+        check_runs(command)?;
+    }
     let report = match &arguments.decoder {
         Some(command) => Report::run(&streams, |path: &Path| run_foreign(command, path, limit)),
         None => Report::run(&streams, run_ours_on),
     };
-    print(&report, report.passed(), arguments.json)
+    print_report(&report, report.passed(), arguments.json)
+}
+
+/// Whether a decoder can be started at all: else no verdict would be about it.
+fn check_runs(command: &str) -> Result<()> {
+    let mut words = command.split_whitespace();
+    let program = words.next().context("--decoder: there is no command")?;
+    let mut decoder = Command::new(program);
+    decoder.args(words).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child =
+        decoder.spawn().with_context(|| format!("--decoder: {program} cannot be run"))?;
+    // It was given no stream: whatever it does about that is of no interest.
+    let _ = child.kill();
+    child.wait().map(drop).with_context(|| program.to_owned())
 }
 
 fn read(file: &Path) -> Result<Vec<u8>> {
@@ -81,21 +103,22 @@ fn read(file: &Path) -> Result<Vec<u8>> {
 }
 
 /// Digests of the literal reading, with which the decoder agrees on every frame.
-fn print_stages(file: &Path, spec: &Path) -> Result<Outcome> {
-    let literal = Spec::load(spec)?.reconstruct(&read(file)?);
+fn print_stages(file: &Path, spec: &Path, json: bool) -> Result<Outcome> {
+    let literal = specification::load(spec)?.reconstruct(&read(file)?);
     let literal = literal.with_context(|| stream::name_of(file))?;
-    let mut out = io::stdout().lock();
-    literal.stages.iter().try_for_each(|line| writeln!(out, "{line}"))?;
+    if json {
+        print_json(&json!({ "stages": literal.stages }))?;
+    } else {
+        print(|out| Ok(literal.stages.iter().try_for_each(|line| writeln!(out, "{line}"))?))?;
+    }
     Ok(Outcome::Good)
 }
 
-fn print(report: &(impl Serialize + Display), passed: bool, json: bool) -> Result<Outcome> {
-    let mut out = io::stdout().lock();
+fn print_report(report: &(impl Serialize + Display), passed: bool, json: bool) -> Result<Outcome> {
     if json {
-        serde_json::to_writer_pretty(&mut out, report)?;
-        writeln!(out)?;
+        print_json(report)?;
     } else {
-        write!(out, "{report}")?;
+        print(|out| Ok(write!(out, "{report}")?))?;
     }
     Ok(if passed { Outcome::Good } else { Outcome::Bad })
 }

@@ -3,9 +3,12 @@
 mod sink;
 
 use crate::arguments::{FrameRange, Global};
+use crate::output::is_dash;
+use crate::outputs::{Outputs, ends_with_separator};
 use crate::stream::{self, Source};
+use crate::table::counted;
 use crate::{Outcome, progress};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use kn_codec::{DecodeErrorKind, Decoder};
 use kn_mesh::Mesh;
@@ -16,13 +19,14 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Files are called like the encoder's input where the stream knows those names, else frame_0000 and
-so on. The files appear together at the end: after an error none is there.
+so on. Each frame is checked against the digest that it carries. The files appear together at the end: after an error none is there. Files that are in the
+folder already are kept and named in an error, unless --overwrite is given.
 
 Examples:
   kn decode dance.knm -o out/
   kn decode dance.knm -o out/ --format ply --frames 3..7
   kn decode dance.knm -o dance.glb
-  kn decode half.knm -o out/ --partial
+  kn decode half.knm -o half/ --partial
   curl -s https://example.org/dance.knm | kn decode - -o out/")]
 pub(crate) struct DecodeArguments {
     /// The stream; - is standard input
@@ -31,15 +35,18 @@ pub(crate) struct DecodeArguments {
     /// The folder for the meshes, made where it does not exist; or a .glb file for all frames
     #[arg(short, long, value_name = "FOLDER|FILE.glb")]
     output: PathBuf,
-    /// Format of the meshes; PLY carries the labels
-    #[arg(long, value_enum, default_value_t = Format::Obj)]
-    format: Format,
+    /// Format of the meshes in a folder; PLY carries the labels [default: obj]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// Decode these frames only: 5, 3..7 (both included), 3.. or ..7
     #[arg(long, value_name = "RANGE", default_value = "..")]
     frames: FrameRange,
     /// Take all whole frames of a file that ends early
     #[arg(long)]
     partial: bool,
+    /// Replace files that are in the folder already
+    #[arg(long)]
+    overwrite: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -64,8 +71,9 @@ impl Format {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DecodeArguments, global: &Global) -> Result<Outcome> {
+    let target = arguments.target()?;
     let mut decoder = stream::open(&arguments.input)?;
-    let mut sink = arguments.sink(&decoder)?;
+    let mut sink = arguments.sink(target, &decoder)?;
     let bar = progress::bar(global, "decoding", None);
     let mut frames = 0;
     arguments.decode(&mut decoder, global, |index, name, mesh| {
@@ -76,19 +84,50 @@ pub(crate) fn run(arguments: &DecodeArguments, global: &Global) -> Result<Outcom
     })?;
     drop(bar);
     let files = sink.finish()?;
-    let output = arguments.output.display();
-    global.note(format_args!("{output}: {frames} frames in {files} files"));
+    let (frames, files) = (counted(frames, "frame"), counted(files as u64, "file"));
+    global.note(format_args!("{}: {frames} in {files}", arguments.output.display()));
     Ok(Outcome::Good)
 }
 
 impl DecodeArguments {
-    fn sink(&self, decoder: &Decoder<Source>) -> Result<Sink> {
-        let is_glb = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
-        if is_glb && !self.output.is_dir() {
-            let rate = decoder.stream().header().map_or([30, 1], |header| header.frame_rate);
-            return Sink::animation(&self.output, f64::from(rate[0]) / f64::from(rate[1]));
+    /// What the output is, before any work: a folder that is there or will be made, or a GLB file.
+    fn target(&self) -> Result<Target> {
+        let (output, name) = (&self.output, self.output.display());
+        ensure!(
+            !is_dash(output),
+            "standard output: meshes are not written there; name a folder or a .glb file"
+        );
+        let folder = Target::Folder(self.format.unwrap_or(Format::Obj).extension());
+        if output.is_dir() || ends_with_separator(output) {
+            return Ok(folder);
         }
-        Sink::files(&self.output, self.format.extension())
+        let extension = output.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str() {
+            Some("glb") => {
+                let fits = self.format.is_none_or(|format| format == Format::Glb);
+                ensure!(fits, "{name}: a .glb file has no other --format; name a folder for files");
+                Ok(Target::Glb)
+            }
+            Some("obj" | "ply" | "off" | "gltf" | "knm") => bail!(
+                "{name}: frames go to a folder, a file each, or all to one .glb file; for a folder \
+                 of this name write {name}/"
+            ),
+            _ => Ok(folder),
+        }
+    }
+
+    fn sink(&self, target: Target, decoder: &Decoder<Source>) -> Result<Sink> {
+        let mut outputs = Outputs::beside([self.input.as_path()]);
+        match target {
+            Target::Glb => {
+                outputs.file("--output", &self.output)?;
+                let rate = decoder.stream().header().map_or([30, 1], |header| header.frame_rate);
+                Sink::animation(&self.output, f64::from(rate[0]) / f64::from(rate[1]))
+            }
+            Target::Folder(extension) => {
+                Sink::files(&self.output, extension, outputs, self.overwrite)
+            }
+        }
     }
 
     /// Hands the frames that were asked for to `take`: index, name in the stream, mesh.
@@ -120,10 +159,23 @@ impl DecodeArguments {
                 take(info.index, decoder.stream().frame_name(), &mesh)?;
             }
         }
-        let found = last.is_some_and(|last| last >= self.frames.first());
-        ensure!(found, "{name}: there is no frame {}", self.frames.first());
-        Ok(())
+        let asked = self.frames.first();
+        match last {
+            Some(last) if last >= asked => Ok(()),
+            Some(last) => {
+                let there = counted(last + 1, "whole frame");
+                bail!("{name}: there is no frame {asked}: the file holds {there}")
+            }
+            None => bail!("{name}: there is no whole frame in this file"),
+        }
     }
+}
+
+/// What the output is.
+enum Target {
+    /// Files of this extension.
+    Folder(&'static str),
+    Glb,
 }
 
 fn is_early_end(kind: &DecodeErrorKind) -> bool {

@@ -5,7 +5,8 @@ mod result;
 
 use crate::arguments::Global;
 use crate::distortion::{self, Measures, Metric, Scale, Surface};
-use crate::output::write_file;
+use crate::output::{print, write_file};
+use crate::outputs::Outputs;
 use crate::stream::kind_letter;
 use crate::{Outcome, progress};
 use anyhow::{Context, Result};
@@ -14,7 +15,7 @@ use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{BoundingBox, Mesh};
 use result::{DemoResult, FrameRow, Seconds};
 use std::fs::{self, File};
-use std::io::{self, BufReader};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -57,7 +58,10 @@ pub(crate) fn run(arguments: &DemoArguments, global: &Global) -> Result<Outcome>
     fs::create_dir_all(&arguments.output)
         .with_context(|| arguments.output.display().to_string())?;
     let place = |name: &str| arguments.output.join(name);
-    let stream = place("demo.knm");
+    let files = ["demo.knm", "demo.png", "demo.json"].map(place);
+    let mut outputs = Outputs::default();
+    files.iter().try_for_each(|file| outputs.file("demo", file))?;
+    let [stream, png, json] = files;
     let mut seconds = Seconds::default();
 
     let scans = timed(&mut seconds.generate, || arguments.generate(global))?;
@@ -70,9 +74,9 @@ pub(crate) fn run(arguments: &DemoArguments, global: &Global) -> Result<Outcome>
     let bytes = fs::metadata(&stream).with_context(|| stream.display().to_string())?.len();
     let result = DemoResult::new(bytes, verified, rows, seconds);
     let picture = picture::draw(&scans, &decoded, &bounds)?;
-    write_file(&place("demo.png"), |out| Ok(picture.write_png(out)?))?;
-    write_file(&place("demo.json"), |out| Ok(serde_json::to_writer_pretty(out, &result)?))?;
-    result.write_table(&mut io::stdout().lock())?;
+    write_file(&png, |out| Ok(picture.write_png(out)?))?;
+    write_file(&json, |out| Ok(serde_json::to_writer_pretty(out, &result)?))?;
+    print(|out| Ok(result.write_table(out)?))?;
     Ok(if verified { Outcome::Good } else { Outcome::Bad })
 }
 

@@ -1,10 +1,11 @@
 //! `kn dump`: every syntax element of a stream.
 
 use crate::Outcome;
+use crate::output::print;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result};
 use kn_bitstream::{Element, Value};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Print every syntax element of a stream: bit offset, name, value
@@ -30,21 +31,22 @@ const SHOWN_BYTES: usize = 16;
 /// Runs the command.
 pub(crate) fn run(arguments: &DumpArguments) -> Result<Outcome> {
     let mut source = Source::open(&arguments.input)?;
-    let mut out = BufWriter::new(io::stdout().lock());
-    let mut written = Ok(());
-    let mut print = |element: &Element<'_>| {
-        if written.is_ok() {
-            written = print_element(&mut out, element, arguments.full);
-        }
-    };
-    let decoded = stream::decode_traced(&mut source, false, &mut print, |_| ());
-    written?;
-    out.flush()?;
+    let decoded = print(|out| {
+        let mut written = Ok(());
+        let mut print = |element: &Element<'_>| {
+            if written.is_ok() {
+                written = print_element(out, element, arguments.full);
+            }
+        };
+        let decoded = stream::decode_traced(&mut source, false, &mut print, |_| ());
+        written?;
+        Ok(decoded)
+    })?;
     decoded.with_context(|| stream::name_of(&arguments.input))?;
     Ok(Outcome::Good)
 }
 
-fn print_element(out: &mut impl Write, element: &Element<'_>, full: bool) -> io::Result<()> {
+fn print_element(out: &mut dyn Write, element: &Element<'_>, full: bool) -> io::Result<()> {
     let name = element.name.to_string();
     match element.value {
         Value::Bytes(bytes) if bytes.len() > SHOWN_BYTES && !full => {

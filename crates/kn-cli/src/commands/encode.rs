@@ -9,7 +9,8 @@ mod vertex_maps;
 use crate::Outcome;
 use crate::arguments::Global;
 use crate::choices::{self, FrameRate, LabelArgument, UnitArgument, UpAxis};
-use crate::output::write_file;
+use crate::output::{name_of, write_file};
+use crate::outputs::Outputs;
 use crate::progress;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow};
@@ -88,18 +89,21 @@ pub(crate) struct EncodeArguments {
 pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcome> {
     let start = Instant::now();
     let inputs = arguments.find_inputs()?;
+    let outputs = arguments.check_outputs(&inputs)?;
+    let maps = arguments.vertex_maps.as_deref().map(|folder| VertexMaps::new(folder, outputs));
+    let mut maps = maps.transpose()?;
     let survey = Survey::new(&inputs, global)?;
     let config = arguments.config(&survey)?;
     let settings = arguments.settings(&config, &survey);
     let labelled = survey.labelled || config.labels == LabelChoice::Auto;
     let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
-    let mut maps = arguments.vertex_maps.as_deref().map(VertexMaps::new).transpose()?;
     let summary = write_file(&arguments.output, |writer| {
         encode(&inputs, config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
     let seconds = start.elapsed().as_secs_f64();
+    maps.map(VertexMaps::publish).transpose()?;
     if let Some(path) = &arguments.report {
         let json = report.to_json(settings, &summary, seconds);
         write_file(path, |writer| Ok(serde_json::to_writer_pretty(writer, &json)?))?;
@@ -107,7 +111,7 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     if lost {
         global.note("no labels: every key node is rigid (see --labels and --affine)");
     }
-    report.tell(&summary, seconds, &arguments.output.display().to_string(), global);
+    report.tell(&summary, seconds, &name_of(&arguments.output), global);
     Ok(Outcome::Good)
 }
 
@@ -167,6 +171,16 @@ impl EncodeArguments {
             Some(LabelArgument::Files(pattern)) => Ok(inputs.with_labels(pattern)?),
             _ => Ok(inputs),
         }
+    }
+
+    /// Before any work.
+    fn check_outputs(&self, inputs: &Inputs) -> Result<Outputs> {
+        let mut outputs = Outputs::beside(inputs.files());
+        outputs.file("--output", &self.output)?;
+        if let Some(report) = &self.report {
+            outputs.file("--report", report)?;
+        }
+        Ok(outputs)
     }
 
     fn config(&self, survey: &Survey) -> Result<EncoderConfig> {

@@ -1,10 +1,11 @@
 //! `kn info`: what a stream holds.
 
 use crate::Outcome;
+use crate::output::{print, print_json};
 use crate::stream::{self, Source};
-use crate::table::{grouped, table};
+use crate::table::{counted, grouped, table};
 use anyhow::{Context, Result};
-use kn_bitstream::{InfluenceMode, LabelSet, SequenceHeader, WeightScheme};
+use kn_bitstream::{InfluenceMode, LabelSet, SequenceHeader, UnitOfLength, WeightScheme};
 use kn_codec::{Decoder, FrameInfo};
 use kn_mesh::Mesh;
 use serde::Serialize;
@@ -21,7 +22,8 @@ pub(crate) struct InfoArguments {
     /// The stream; - is standard input
     #[arg(value_name = "FILE")]
     input: PathBuf,
-    /// Print JSON: {bytes, fps, frames: [{index, kind, bytes, vertices, faces, nodes}]}
+    /// Print JSON: {bytes, fps, step, origin, unit, up, group_length, nodes_per_vertex, weights,
+    /// influence, labels, level, frames: [{index, kind, bytes, vertices, faces, nodes}]}
     #[arg(long)]
     json: bool,
 }
@@ -31,7 +33,54 @@ pub(crate) struct InfoArguments {
 struct StreamInfo {
     bytes: u64,
     fps: f64,
+    /// Of the grid, world units.
+    step: f64,
+    origin: [f64; 3],
+    unit: &'static str,
+    up: &'static str,
+    /// Most frames in a group.
+    group_length: u8,
+    nodes_per_vertex: u8,
+    weights: &'static str,
+    influence: &'static str,
+    /// `none`, `body` or `custom`.
+    labels: &'static str,
+    level: u8,
     frames: Vec<FrameRow>,
+}
+
+impl StreamInfo {
+    fn new(bytes: u64, header: &SequenceHeader, frames: Vec<FrameRow>) -> Self {
+        Self {
+            bytes,
+            fps: f64::from(header.frame_rate[0]) / f64::from(header.frame_rate[1]),
+            step: header.grid_step,
+            origin: header.grid_origin,
+            unit: match header.unit_of_length {
+                UnitOfLength::Unspecified => "unspecified",
+                unit => stream::unit_name(unit),
+            },
+            up: ["x", "y", "z"][usize::from(header.up_axis.min(2))],
+            group_length: header.max_group_length,
+            nodes_per_vertex: header.nodes_per_vertex,
+            weights: match header.weight_scheme {
+                WeightScheme::InverseSquare => "inverse-square",
+                WeightScheme::Sumner => "sumner",
+                WeightScheme::Gaussian => "gaussian",
+            },
+            influence: match header.influence_mode {
+                InfluenceMode::Strict => "strict",
+                InfluenceMode::Fallback => "fallback",
+            },
+            labels: match &header.labels {
+                LabelSet::None => "none",
+                LabelSet::Body => "body",
+                LabelSet::Custom(_) => "custom",
+            },
+            level: header.level,
+            frames,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -69,37 +118,34 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<Outcome> {
     while let Some(info) = decoder.next_frame(&mut mesh).with_context(|| name.clone())? {
         frames.push(FrameRow::from(info));
     }
-    let fps = f64::from(header.frame_rate[0]) / f64::from(header.frame_rate[1]);
-    let info = StreamInfo { bytes, fps, frames };
-    let mut out = io::stdout().lock();
+    let info = StreamInfo::new(bytes, &header, frames);
     if arguments.json {
-        serde_json::to_writer_pretty(&mut out, &info)?;
-        writeln!(out)?;
+        print_json(&info)?;
     } else {
-        print(&mut out, &name, &header, &info)?;
+        print(|out| Ok(write_text(out, &name, &header, &info)?))?;
     }
     Ok(Outcome::Good)
 }
 
-fn print(
-    out: &mut impl Write,
+fn write_text(
+    out: &mut dyn Write,
     name: &str,
     header: &SequenceHeader,
     info: &StreamInfo,
 ) -> io::Result<()> {
     let frames = info.frames.len();
+    let (count, bytes) = (counted(frames as u64, "frame"), grouped(info.bytes));
     let intra = info.frames.iter().filter(|frame| frame.kind == "I").count();
     let seconds = frames as f64 / info.fps;
     writeln!(
         out,
-        "{name}: {frames} frames ({intra} I, {} P), {} bytes, {:.3} s at {} fps, {:.3} Mbit/s",
+        "{name}: {count} ({intra} I, {} P), {bytes} bytes, {:.3} s at {} fps, {:.3} Mbit/s",
         frames - intra,
-        grouped(info.bytes),
         seconds,
         info.fps,
         info.bytes as f64 * 8e-6 / seconds.max(f64::MIN_POSITIVE),
     )?;
-    print_header(out, header)?;
+    write_header(out, header, info)?;
     let mut table = table(&["frame", "kind", "bytes", "vertices", "faces", "nodes"]);
     for frame in &info.frames {
         let counts = [frame.vertices, frame.faces, frame.nodes].map(|n| grouped(n.into()));
@@ -110,16 +156,7 @@ fn print(
     writeln!(out, "{table}")
 }
 
-fn print_header(out: &mut impl Write, header: &SequenceHeader) -> io::Result<()> {
-    let weights = match header.weight_scheme {
-        WeightScheme::InverseSquare => "1/d²",
-        WeightScheme::Sumner => "(1 − d/d')²",
-        WeightScheme::Gaussian => "Gaussian",
-    };
-    let influence = match header.influence_mode {
-        InfluenceMode::Strict => "strict",
-        InfluenceMode::Fallback => "fallback",
-    };
+fn write_header(out: &mut dyn Write, header: &SequenceHeader, info: &StreamInfo) -> io::Result<()> {
     let labels = match &header.labels {
         LabelSet::None => "none".to_owned(),
         LabelSet::Body => "body parts".to_owned(),
@@ -129,14 +166,17 @@ fn print_header(out: &mut impl Write, header: &SequenceHeader) -> io::Result<()>
     writeln!(
         out,
         "grid: step {:.6e} {}, origin ({origin}), {} up",
-        header.grid_step,
+        info.step,
         stream::unit_name(header.unit_of_length),
-        ["x", "y", "z"][usize::from(header.up_axis.min(2))],
+        info.up,
     )?;
     writeln!(
         out,
-        "groups of up to {} frames; Q = {}, weights {weights}, influence {influence}, \
-         labels {labels}; level {}",
-        header.max_group_length, header.nodes_per_vertex, header.level,
+        "groups of up to {}; Q = {}, weights {}, influence {}, labels {labels}; level {}",
+        counted(info.group_length.into(), "frame"),
+        info.nodes_per_vertex,
+        info.weights,
+        info.influence,
+        info.level,
     )
 }

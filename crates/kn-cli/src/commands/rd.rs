@@ -19,6 +19,7 @@ mod tables;
 use crate::Outcome;
 use crate::arguments::Global;
 use crate::output::write_file;
+use crate::outputs::Outputs;
 use crate::progress;
 use anyhow::{Context, Result, bail, ensure};
 use cell::Cell;
@@ -87,6 +88,8 @@ pub(crate) fn run(arguments: &RdArguments, global: &Global) -> Result<Outcome> {
     let foreign = foreign_curves(&config)?;
     check_anchors(&config, &foreign)?;
     let output = arguments.output();
+    let inputs = config.tables.iter().map(|table| config.path(&table.path));
+    check_reports(&output, &arguments.config, inputs.collect::<Result<_>>()?)?;
     let study = if arguments.report_only {
         export::read(&output)?
     } else {
@@ -115,6 +118,15 @@ fn finish(config: &Config, study: &Study, foreign: Vec<Curve>, output: &Path) ->
     let path = output.join("report.html");
     write_file(&path, |out| Ok(out.write_all(html.as_bytes())?))?;
     Ok(path)
+}
+
+/// The report must not replace what it is made from: a table may be the results.csv of another
+/// study, and not of this one.
+fn check_reports(output: &Path, config: &Path, tables: Vec<PathBuf>) -> Result<()> {
+    let inputs = tables.iter().map(PathBuf::as_path).chain([config]);
+    let mut outputs = Outputs::beside(inputs);
+    let names = ["report.html", "report.md", "results.csv", "results.json"];
+    names.iter().try_for_each(|name| outputs.inside("--output", &output.join(name)))
 }
 
 /// The curves of all tables.

@@ -2,6 +2,8 @@
 
 use crate::Outcome;
 use crate::arguments::Global;
+use crate::output::print;
+use crate::outputs::Outputs;
 use crate::table::table;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_fit::{FitError, RegisterOptions, Registration, Side, register};
@@ -9,7 +11,6 @@ use kn_mesh::io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
 use kn_mesh::{Cleaned, Mesh, clean};
 use kn_metrics::{Distances, TriangleTree, distances_to_surface};
 use serde::Serialize;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -78,7 +79,7 @@ struct Relative {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &RegisterArguments, global: &Global) -> Result<Outcome> {
-    MeshFormat::of_path(&arguments.output)?;
+    arguments.check_output()?;
     let (source, target) = rayon::join(|| read(&arguments.source), || read(&arguments.target));
     let (source, target) = (source?, target?);
     let truth = arguments.truth.as_ref().map(|path| read_truth(path, &source)).transpose()?;
@@ -101,6 +102,13 @@ pub(crate) fn run(arguments: &RegisterArguments, global: &Global) -> Result<Outc
 }
 
 impl RegisterArguments {
+    /// Before any work.
+    fn check_output(&self) -> Result<()> {
+        MeshFormat::of_path(&self.output)?;
+        let inputs = [&self.source, &self.target].into_iter().chain(&self.truth);
+        Outputs::beside(inputs.map(PathBuf::as_path)).file("--output", &self.output)
+    }
+
     fn pair(&self) -> String {
         format!("{} and {}", self.source.display(), self.target.display())
     }
@@ -171,10 +179,9 @@ impl Relative {
 
 impl Measured {
     fn print(&self, json: bool) -> Result<()> {
-        let mut out = io::stdout().lock();
         if json {
-            writeln!(out, "{}", serde_json::to_string(self)?)?;
-            return Ok(());
+            let line = serde_json::to_string(self)?;
+            return print(|out| Ok(writeln!(out, "{line}")?));
         }
         let mut table = table(&["", "of diagonal"]);
         let Self { distances, nodes, iterations, seconds } = self;
@@ -187,9 +194,10 @@ impl Measured {
         for (name, distance) in rows.into_iter().chain(truth) {
             table.add_row([name.to_owned(), format!("{distance:.3e}")]);
         }
-        writeln!(out, "{table}")?;
-        writeln!(out, "{nodes} key nodes, {iterations} iterations, {seconds:.2} s")?;
-        Ok(())
+        print(|out| {
+            writeln!(out, "{table}")?;
+            Ok(writeln!(out, "{nodes} key nodes, {iterations} iterations, {seconds:.2} s")?)
+        })
     }
 }
 

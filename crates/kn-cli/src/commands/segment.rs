@@ -4,7 +4,8 @@ mod preview;
 
 use crate::arguments::Global;
 use crate::choices::UpAxis;
-use crate::output::{OutputFolder, write_file};
+use crate::output::{OutputFolder, print, print_json, write_file};
+use crate::outputs::Outputs;
 use crate::table::table;
 use crate::{Outcome, parts, progress};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -16,7 +17,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Find the body parts of scans: a .labels file for each, or a check of such files
@@ -51,7 +51,7 @@ pub(crate) struct SegmentArguments {
     #[arg(long, value_name = "GLOB", conflicts_with = "output")]
     check: Option<PathBuf>,
     /// Draw some of the frames, coloured by part, into this PNG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.png")]
     preview: Option<PathBuf>,
     /// The axis that points up
     #[arg(long, value_enum, default_value_t = UpAxis::Y)]
@@ -78,8 +78,10 @@ struct Row {
 /// Runs the command.
 pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outcome> {
     let inputs = arguments.find_inputs()?;
+    let outputs = arguments.check_outputs(&inputs)?;
     let mut preview = arguments.preview.as_ref().map(|_| Preview::new(inputs.len()));
-    let mut output = arguments.output.as_deref().map(LabelFiles::create).transpose()?;
+    let output = arguments.output.as_deref().map(|folder| LabelFiles::create(folder, outputs));
+    let mut output = output.transpose()?;
     let options = SegmentOptions { up_axis: arguments.up as usize };
     let mut segmenter = Segmenter::new(options);
     let bar = progress::bar(global, "segmenting", Some(inputs.len() as u64));
@@ -108,7 +110,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
         write_file(path, |out| Ok(picture.write_png(out)?))?;
     }
     output.map(LabelFiles::publish).transpose()?;
-    print(&rows, arguments.json)?;
+    print_rows(&rows, arguments.json)?;
     Ok(if rows.iter().all(|row| row.good) { Outcome::Good } else { Outcome::Bad })
 }
 
@@ -120,6 +122,16 @@ impl SegmentArguments {
             Some(labels) => inputs.with_labels(labels)?,
             None => inputs,
         })
+    }
+
+    /// Before any work.
+    fn check_outputs(&self, inputs: &Inputs) -> Result<Outputs> {
+        let mut outputs = Outputs::beside(inputs.files());
+        outputs.prints()?;
+        if let Some(preview) = &self.preview {
+            outputs.picture("--preview", preview)?;
+        }
+        Ok(outputs)
     }
 }
 
@@ -181,12 +193,13 @@ impl Row {
 /// Label files that appear together at the end.
 struct LabelFiles {
     folder: OutputFolder,
+    outputs: Outputs,
     names: HashSet<String>,
 }
 
 impl LabelFiles {
-    fn create(folder: &Path) -> Result<Self> {
-        Ok(Self { folder: OutputFolder::create(folder)?, names: HashSet::new() })
+    fn create(folder: &Path, outputs: Outputs) -> Result<Self> {
+        Ok(Self { folder: OutputFolder::create(folder)?, outputs, names: HashSet::new() })
     }
 
     /// `labels` is in the order of the file's vertices.
@@ -200,6 +213,7 @@ impl LabelFiles {
         );
         let lines: String = labels.iter().map(|label| format!("{label}\n")).collect();
         let target = self.folder.target(&name);
+        self.outputs.inside("--output", &target)?;
         fs::write(self.folder.place(&name), lines).with_context(|| target.display().to_string())
     }
 
@@ -208,11 +222,9 @@ impl LabelFiles {
     }
 }
 
-fn print(rows: &[Row], as_json: bool) -> Result<()> {
-    let mut out = io::stdout().lock();
+fn print_rows(rows: &[Row], as_json: bool) -> Result<()> {
     if as_json {
-        serde_json::to_writer_pretty(&mut out, &json!({ "frames": rows }))?;
-        return Ok(writeln!(out)?);
+        return print_json(&json!({ "frames": rows }));
     }
     let mut table = table(&["frame", "vertices", "trust", "weakest", "part and doubts"]);
     for row in rows {
@@ -229,5 +241,5 @@ fn print(rows: &[Row], as_json: bool) -> Result<()> {
             words.join("; "),
         ]);
     }
-    Ok(writeln!(out, "{table}")?)
+    print(|out| Ok(writeln!(out, "{table}")?))
 }

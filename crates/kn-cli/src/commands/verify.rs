@@ -1,12 +1,13 @@
 //! `kn verify`: are the decoded frames those that the encoder had?
 
 use crate::arguments::Global;
+use crate::output::print;
 use crate::stream::{self, Source};
+use crate::table::counted;
 use crate::{Outcome, progress};
 use anyhow::{Context, Result, bail};
 use kn_bitstream::Element;
 use kn_codec::DecodeErrorKind;
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Check the digests inside a stream: decode every frame and compare
@@ -38,10 +39,9 @@ pub(crate) fn run(arguments: &VerifyArguments, global: &Global) -> Result<Outcom
         bar.step();
     });
     drop(bar);
-    let mut out = io::stdout().lock();
     match decoded {
         Err(error) if matches!(error.kind(), DecodeErrorKind::Digest { .. }) => {
-            writeln!(out, "{name}: {error}")?;
+            print(|out| Ok(writeln!(out, "{name}: {error}")?))?;
             Ok(Outcome::Bad)
         }
         Err(error) => Err(error).context(name),
@@ -49,7 +49,9 @@ pub(crate) fn run(arguments: &VerifyArguments, global: &Global) -> Result<Outcom
             bail!("{name}: only {digests} of {frames} frames carry a digest")
         }
         Ok(()) => {
-            writeln!(out, "{name}: {frames} frames, all digests match")?;
+            print(|out| {
+                Ok(writeln!(out, "{name}: {}, all digests match", counted(frames, "frame"))?)
+            })?;
             Ok(Outcome::Good)
         }
     }

@@ -93,6 +93,15 @@ impl Inputs {
         }
     }
 
+    /// The files of all frames, then those of their labels.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let meshes = match &self.source {
+            Source::Files(files) => &files[..],
+            Source::Animation { path, .. } => std::slice::from_ref(path),
+        };
+        meshes.iter().chain(&self.labels).map(PathBuf::as_path)
+    }
+
     /// Whether there are no frames; never true for what [`Inputs::find`] returns.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -54,10 +54,13 @@ pub(super) fn find_files(spec: &Path, kind: Kind) -> Result<Vec<PathBuf>, MeshEr
 /// shell's glob comes in, which puts `f_10` before `f_9`; then in natural order.
 ///
 /// # Errors
-/// A file does not exist.
+/// A file does not exist, or is a folder.
 pub(super) fn listed_files(files: &[PathBuf]) -> Result<Vec<PathBuf>, MeshError> {
     for file in files {
-        fs::metadata(file).map_err(|error| MeshError::new(file, error))?;
+        if fs::metadata(file).map_err(|error| MeshError::new(file, error))?.is_dir() {
+            let what = "a folder cannot be listed beside files: give it alone, or its files";
+            return Err(MeshError::new(file, MeshErrorKind::Ambiguous(what.into())));
+        }
     }
     let mut files = files.to_vec();
     if files.is_sorted() {

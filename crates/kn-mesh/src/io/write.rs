@@ -40,9 +40,7 @@ pub fn write_mesh_with_scalar(
     values: &[f32],
 ) -> Result<(), MeshError> {
     check(path, mesh)?;
-    if MeshFormat::of_path(path)? != MeshFormat::Ply {
-        return Err(unsupported(path, "numbers per vertex are written to .ply only"));
-    }
+    check_scalar_format(path)?;
     if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
         return Err(unsupported(path, "a property name has letters, digits and _ only"));
     }
@@ -52,6 +50,17 @@ pub fn write_mesh_with_scalar(
         return Err(MeshError::new(path, MeshErrorKind::Malformed(what)));
     }
     write_atomically(path, |out| ply::write_ply(mesh, Some((name, values)), out))
+}
+
+/// Whether [`write_mesh_with_scalar`] writes such a file, so that it can be known before any work.
+///
+/// # Errors
+/// The file is no `.ply`.
+pub fn check_scalar_format(path: &Path) -> Result<(), MeshError> {
+    match MeshFormat::of_path(path)? {
+        MeshFormat::Ply => Ok(()),
+        _ => Err(unsupported(path, "numbers per vertex are written to .ply only")),
+    }
 }
 
 fn check(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {

@@ -76,7 +76,7 @@ impl Comparison {
         Some(Self { mean, mean_predicted, frames, scale })
     }
 
-    pub(super) fn write_table(&self, out: &mut impl Write) -> io::Result<()> {
+    pub(super) fn write_table(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "box of the reference: longest side {:.6}, diagonal {:.6}",

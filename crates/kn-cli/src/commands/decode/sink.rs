@@ -1,7 +1,8 @@
 //! Where decoded frames go: a file each in one folder, or one animated GLB file.
 
 use crate::output::{OutputFolder, folder_of};
-use anyhow::{Context, Result};
+use crate::outputs::Outputs;
+use anyhow::{Context, Result, ensure};
 use kn_mesh::Mesh;
 use kn_mesh::io::{GlbWriter, MeshError, write_mesh};
 use std::collections::HashSet;
@@ -10,16 +11,21 @@ use std::path::Path;
 /// Takes decoded frames; nothing is in its place before [`Sink::finish`].
 pub(super) enum Sink {
     /// One file a frame.
-    Files { folder: OutputFolder, names: FileNames },
+    Files { folder: OutputFolder, names: FileNames, outputs: Outputs, overwrite: bool },
     /// All frames in one file.
     Animation { folder: OutputFolder, name: String, writer: Box<GlbWriter> },
 }
 
 impl Sink {
-    /// Files of this extension in `folder`.
-    pub(super) fn files(folder: &Path, extension: &'static str) -> Result<Self> {
+    /// Files of this extension in `folder`; `outputs` knows the inputs, which are never replaced.
+    pub(super) fn files(
+        folder: &Path,
+        extension: &'static str,
+        outputs: Outputs,
+        overwrite: bool,
+    ) -> Result<Self> {
         let names = FileNames { extension, taken: HashSet::new() };
-        Ok(Self::Files { folder: OutputFolder::create(folder)?, names })
+        Ok(Self::Files { folder: OutputFolder::create(folder)?, names, outputs, overwrite })
     }
 
     /// One GLB file that plays at this rate.
@@ -35,11 +41,19 @@ impl Sink {
     /// Adds a frame; `name` is what the stream calls it.
     pub(super) fn push(&mut self, index: u64, name: Option<String>, mesh: &Mesh) -> Result<()> {
         match self {
-            Self::Files { folder, names } => {
+            Self::Files { folder, names, outputs, overwrite } => {
                 let name = names.choose(name, index);
+                let target = folder.target(&name);
+                outputs.inside("--output", &target)?;
+                // Decoded frames have the names of the scans, which may be all that there is.
+                let is_free = *overwrite || target.symlink_metadata().is_err();
+                ensure!(
+                    is_free,
+                    "{}: this file is there already; --overwrite replaces it",
+                    target.display()
+                );
                 let written = write_mesh(&folder.place(&name), mesh);
-                written
-                    .map_err(|error| at(error, &folder.target(&name)).in_frame(index as usize))?;
+                written.map_err(|error| at(error, &target).in_frame(index as usize))?;
             }
             Self::Animation { folder, name, writer } => {
                 writer.push(mesh).map_err(|error| at(error, &folder.target(name)))?;

@@ -92,7 +92,7 @@ impl DemoResult {
         }
     }
 
-    pub(super) fn write_table(&self, out: &mut impl Write) -> io::Result<()> {
+    pub(super) fn write_table(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut table = table(&[
             "frame",
             "kind",
@@ -123,7 +123,7 @@ impl DemoResult {
         self.write_sum(out)
     }
 
-    fn write_sum(&self, out: &mut impl Write) -> io::Result<()> {
+    fn write_sum(&self, out: &mut dyn Write) -> io::Result<()> {
         let mean_bytes = |predicted: bool| {
             let chosen = || self.frames.iter().filter(|frame| frame.is_predicted() == predicted);
             let bytes: u64 = chosen().map(|frame| frame.bytes).sum();

@@ -1,24 +1,25 @@
 //! `--vertex-maps`: where the vertices of an I-frame's file are in the decoded mesh.
 
-use crate::output::write_file;
-use anyhow::{Context, Result};
+use crate::output::{OutputFolder, write_file};
+use crate::outputs::Outputs;
+use anyhow::Result;
 use kn_codec::GONE;
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Files of one line a vertex: the index of the decoded vertex, or `-` where decimation took it.
 pub(super) struct VertexMaps {
-    folder: PathBuf,
+    folder: OutputFolder,
+    outputs: Outputs,
     /// Of frames that are read and not yet coded: the name, and `#V` cleaned vertex of each one in
     /// the file.
     waiting: VecDeque<(String, Vec<u32>)>,
 }
 
 impl VertexMaps {
-    /// Makes the folder.
-    pub(super) fn new(folder: &Path) -> Result<Self> {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        Ok(Self { folder: folder.to_owned(), waiting: VecDeque::new() })
+    /// Makes the folder; `outputs` are those of the command.
+    pub(super) fn new(folder: &Path, outputs: Outputs) -> Result<Self> {
+        Ok(Self { folder: OutputFolder::create(folder)?, outputs, waiting: VecDeque::new() })
     }
 
     /// A frame has been read and cleaned.
@@ -32,7 +33,9 @@ impl VertexMaps {
         let (Some((name, cleaned)), Some(decoded)) = (self.waiting.pop_front(), decoded) else {
             return Ok(());
         };
-        write_file(&self.folder.join(format!("{name}.map")), |writer| {
+        let name = format!("{name}.map");
+        self.outputs.inside("--vertex-maps", &self.folder.target(&name))?;
+        write_file(&self.folder.place(&name), |writer| {
             for vertex in cleaned {
                 match decoded.get(vertex as usize) {
                     Some(&target) if target != GONE => writeln!(writer, "{target}")?,
@@ -41,5 +44,10 @@ impl VertexMaps {
             }
             Ok(())
         })
+    }
+
+    /// Puts all files in place.
+    pub(super) fn publish(self) -> Result<usize> {
+        self.folder.publish()
     }
 }
