@@ -233,3 +233,13 @@ fn sound_streams_take_every_branch_of_the_syntax_tables_both_ways() {
         assert!(!branch.fails.is_empty(), "{}: always holds", branch.condition);
     }
 }
+
+#[test]
+fn every_faulty_stream_says_what_only_it_is_for() {
+    let streams = load_corpus(&spec_folder().join("conformance")).expect("the corpus");
+    let mut said = BTreeMap::new();
+    for stream in streams.iter().filter(|stream| stream.description.rule.is_some()) {
+        let other = said.insert(&stream.description.danger, &stream.name);
+        assert_eq!(other, None, "{} says the same", stream.name);
+    }
+}

@@ -572,7 +572,7 @@ class Geometry:
             values = [value]
             near = far = 0
             while True:
-                require(value < 2**20, "intra.geometry.lattice", "a value of 2^20 or more")
+                require(abs(value) < 2**20, "intra.geometry.lattice", "a value of 2^20 or more")
                 if len(values) == count:
                     break
                 gap = 1

@@ -59,12 +59,11 @@ class Prediction:
         """r[motion.translation] r[motion.translation.range]: in reference units, of every node."""
         t_step = translation_step(m.translation_step)
         found = [None] * len(self.nodes)
+        limit = 2 ** (20 + self.header.fraction_bits)
 
         def add(node, predicted):
             found[node] = [predicted[axis] + m.translation[node][axis] * t_step for axis in range(3)]
-            require(
-                max(map(abs, found[node])) < 2**28, "motion.translation.range", f"node {node} moves too far"
-            )
+            require(max(map(abs, found[node])) < limit, "motion.translation.range", f"node {node} moves too far")
 
         if m.translation_mode == 0:
             # r[motion.prediction.direct]

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use crate::Draft;
-use crate::texts::{Text, by_hand, positions_digest_of, strip};
+use crate::texts::{Text, by_hand, payload_of, positions_digest_of, strip};
 
 /// A name, the rule that it breaks, the mistake that it catches, and the edits.
 type Fault = (&'static str, &'static str, &'static str, fn(Text) -> Text);
@@ -21,15 +21,28 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
         danger: danger.into(),
         rule: Some(rule),
         covers: match name {
-            "truncated_in_unit" => &["conformance.truncated"],
+            "truncated_in_unit" => &[
+                "conformance.truncated",
+                "conformance.verdict",
+                "conventions.refusal",
+                "descriptor.end",
+            ],
             "vertex_flies_off" => &["conformance.coordinates"],
             _ => &[],
         },
     };
     let lists = [FRAMING, HEADER, NODES, MOTION, DEFORMATION, INDEX_FAULTS];
     let mut drafts: Vec<Draft> = lists.into_iter().flatten().map(draft).collect();
+    let beyond = format!("intra_size = {}", payload_of(&strip(8, Some([0, 7])))?.len() + 1);
     let digest = positions_digest_of(&strip(8, Some([0, 7])))?;
     let digests = [&format!("positions_digest = 0x{digest:x}"), "faces_digest = 0x1"];
+    drafts.push(Draft {
+        name: "payload_beyond".into(),
+        text: base.clone().before("intra_payload", 0, &[&beyond]).build(),
+        danger: "A mesh of a byte more than its unit has.".into(),
+        rule: Some("unit.size.exact"),
+        covers: &[],
+    });
     drafts.push(Draft {
         name: "faces_digest".into(),
         text: base.set("digest_present", 0, "1").after("name_present", 0, &digests).build(),
@@ -56,7 +69,16 @@ const FRAMING: &[Fault] = &[
     }),
     ("two_nodes", "file.order", "Key nodes twice in a group.", |t| t.repeat_unit(2)),
     ("no_motion", "file.order", "Key nodes without a P-frame.", |t| t.without_unit(3)),
-    ("group_too_long", "file.group.length", "Five frames where four are the most.", |t| {
+    ("no_frames", "file.order", "A file without frames, and an index that says so.", |t| {
+        t.without_unit(3).without_unit(2).without_unit(1).end("group_count = 0")
+    }),
+    ("skipped_before_header", "file.order", "Private data before the sequence header.", |t| {
+        t.before("unit_type", 0, PRIVATE)
+    }),
+    ("skipped_behind_index", "file.order", "Private data behind the index.", |t| {
+        PRIVATE.iter().fold(t, |t, line| t.end(line))
+    }),
+    ("group_too_long", "file.group.length", "A fifth frame in groups of four.", |t| {
         t.repeat_unit(3).repeat_unit(3).repeat_unit(3)
     }),
     ("flipped_bit", "unit.crc.match", "One bit of the I-frame's payload.", |t| t.end("@flip 700")),
@@ -79,22 +101,36 @@ const FRAMING: &[Fault] = &[
         t.before("unit_type", 3, &["pad = 0 as 0b1"])
     }),
     ("size_not_shortest", "descriptor.uleb.shortest", "A size with a group too many.", |t| {
-        t.after("unit_type", 0, &["unit_size = 46 as xae00"])
+        t.after("unit_type", 0, &["unit_size = 41 as xa900"])
     }),
     ("size_too_long", "descriptor.uleb.range", "A size of six groups.", |t| {
-        t.after("unit_type", 0, &["unit_size = 46 as xae8080808001"])
+        t.after("unit_type", 0, &["unit_size = 41 as xa98080808001"])
     }),
+    ("size_wraps", "descriptor.uleb.range", "A size that is right but for 2^32.", |t| {
+        t.after("unit_type", 0, &["unit_size = 41 as xa980808010"])
+    }),
+    (
+        "header_short",
+        "unit.size.exact",
+        "The last byte of a unit is missing; it would be 0.",
+        |t| t.set("grid_step", 0, "1.0 as x3ff00000000000"),
+    ),
 ];
+
+const PRIVATE: &[&str] = &["unit_type = 128", "unit_size = 1", "skipped = x00"];
 
 const HEADER: &[Fault] = &[
     ("version", "header.version.value", "Another version.", |t| t.set("version", 0, "1")),
     ("profile", "header.profile.known", "Another profile.", |t| t.set("profile", 0, "1")),
     ("level", "header.level.known", "A level that is not listed.", |t| t.set("level", 0, "3")),
-    ("frame_rate", "header.rate.range", "Division by zero.", |t| {
+    ("frame_rate", "header.rate.range", "Frames at a time divided by zero.", |t| {
         t.set("frame_rate_denominator", 0, "0")
     }),
+    ("frame_rate_zero", "header.rate.range", "No frames in a second.", |t| {
+        t.set("frame_rate_numerator", 0, "0")
+    }),
     ("up_axis", "header.axis.range", "A fourth axis.", |t| t.set("up_axis", 0, "3")),
-    ("unit_of_length", "header.length.known", "A reserved unit.", |t| {
+    ("unit_of_length", "header.length.known", "A reserved unit of length.", |t| {
         t.set("unit_of_length", 0, "6")
     }),
     ("fraction_bits", "header.fraction.range", "Coordinates of 29 bits and more.", |t| {
@@ -106,20 +142,34 @@ const HEADER: &[Fault] = &[
     ("group_length", "header.group.range", "Groups without frames.", |t| {
         t.set("max_group_length", 0, "0")
     }),
-    ("nodes_per_vertex", "header.nodes.range", "Nobody moves a vertex.", |t| {
+    (
+        "group_length_level",
+        "header.group.range",
+        "Groups of more frames than the level allows.",
+        |t| t.set("max_group_length", 0, "33"),
+    ),
+    ("nodes_per_vertex", "header.nodes.range", "Vertices without a slot for a node.", |t| {
         t.set("nodes_per_vertex", 0, "0")
     }),
-    ("weight_scheme", "header.weight.known", "A reserved scheme.", |t| {
+    ("nodes_per_vertex_9", "header.nodes.range", "Nine slots where a decoder has eight.", |t| {
+        t.set("nodes_per_vertex", 0, "9")
+    }),
+    ("weight_scheme", "header.weight.known", "A reserved weighting scheme.", |t| {
         t.set("weight_scheme", 0, "3")
     }),
-    ("label_set", "header.labels.known", "A reserved set.", |t| t.set("label_set", 0, "3")),
-    ("header_reserved", "header.reserved.zero", "A reserved bit.", |t| {
+    ("label_set", "header.labels.known", "A reserved set of labels.", |t| {
+        t.set("label_set", 0, "3")
+    }),
+    ("header_reserved", "header.reserved.zero", "A reserved bit of the sequence header.", |t| {
         t.after("names_present", 0, &["reserved_zero = 1"])
     }),
     ("grid_origin", "header.origin.finite", "Not a number.", |t| {
         t.set("grid_origin", 0, "0.0 0x7ff8000000000000 0.0")
     }),
     ("grid_step", "header.step.positive", "A step below zero.", |t| t.set("grid_step", 0, "-1.0")),
+    ("grid_step_infinite", "header.step.positive", "A step without end.", |t| {
+        t.set("grid_step", 0, "0x7ff0000000000000")
+    }),
     ("label_count", "header.labels.count", "65 labels.", |t| {
         t.set("label_set", 0, "2").after(
             "grid_step",
@@ -128,7 +178,8 @@ const HEADER: &[Fault] = &[
         )
     }),
     ("label_region", "header.labels.region", "Region 64.", |t| {
-        t.set("label_set", 0, "2").after("grid_step", 0, &["label_count = 1", "label_region = 64"])
+        let regions = &["label_count = 8", "label_region = 0*7 64"];
+        t.set("label_set", 0, "2").after("grid_step", 0, regions)
     }),
     ("name_digits", "header.names.digits", "Names of hundreds of digits.", |t| {
         t.set("names_present", 0, "1").after(
@@ -137,13 +188,49 @@ const HEADER: &[Fault] = &[
             &["name_prefix = x66", "name_digits = 10", "name_first = 0"],
         )
     }),
+    ("prefix_slash", "name.characters", "A prefix of names that leads out of the folder.", |t| {
+        let names = &["name_prefix = x2e2e2f", "name_digits = 3", "name_first = 0"];
+        t.set("names_present", 0, "1").after("grid_step", 0, names)
+    }),
+    ("name_backslash", "name.characters", "A name that leads elsewhere on some systems.", |t| {
+        named(t, "x2e2e5c61")
+    }),
+    ("name_colon", "name.characters", "A name that begins with a drive or names a stream.", |t| {
+        named(t, "x633a61")
+    }),
+    ("name_control", "name.characters", "A name with an escape sequence for terminals.", |t| {
+        named(t, "x1b5b326a")
+    }),
+    ("name_zero", "name.characters", "A name that ends early for the system.", |t| {
+        named(t, "x610062")
+    }),
+    ("name_delete", "name.characters", "U+007F, a control character above the letters.", |t| {
+        named(t, "x617f")
+    }),
+    ("name_control_high", "name.characters", "U+009F, the last of the control characters.", |t| {
+        named(t, "x61c29f")
+    }),
+    ("name_latin", "name.characters", "A name in Latin-1, which is not UTF-8.", |t| {
+        named(t, "x6de47263")
+    }),
+    ("name_overlong", "name.characters", "A slash hidden in an overlong form.", |t| {
+        named(t, "x2e2ec0af61")
+    }),
+    (
+        "name_surrogate",
+        "name.characters",
+        "Half of a surrogate pair, as some encoders write it.",
+        |t| named(t, "xeda080"),
+    ),
     ("name_slash", "name.characters", "A name that leads into another folder.", |t| {
         t.set("name_present", 0, "1").after("name_present", 0, &["name = x2e2e2f61"])
     }),
-    ("name_dots", "name.whole", "A name that is a folder.", |t| {
+    ("name_empty", "name.whole", "A name of no characters.", |t| named(t, "x")),
+    ("name_dot", "name.whole", "A name that is the folder itself.", |t| named(t, "x2e")),
+    ("name_dots", "name.whole", "A name that is the folder above.", |t| {
         t.set("name_present", 1, "1").after("name_present", 1, &["name = x2e2e"])
     }),
-    ("frame_reserved", "frame.reserved.zero", "A reserved bit.", |t| {
+    ("frame_reserved", "frame.reserved.zero", "A reserved bit of a frame header.", |t| {
         t.after("name_present", 0, &["reserved_zero = 32"])
     }),
     ("positions_digest", "frame.digest.positions", "Decoded positions differ.", |t| {
@@ -151,34 +238,77 @@ const HEADER: &[Fault] = &[
     }),
 ];
 
+/// The I-frame with a name.
+fn named(text: Text, name: &str) -> Text {
+    text.set("name_present", 0, "1").after("name_present", 0, &[&format!("name = {name}")])
+}
+
+/// Nodes as points, by their differences, both rigid.
+fn points(text: Text, rice: &str, deltas: &str) -> Text {
+    rigid(text)
+        .set("node_coding", 0, "1")
+        .set("node_vertex_rice", 0, rice)
+        .set("node_vertex_gap", 0, deltas)
+        .map_names(&[("node_vertex_rice", "node_delta_rice"), ("node_vertex_gap", "node_delta")])
+}
+
+/// Two rigid nodes that do not turn.
+fn rigid(text: Text) -> Text {
+    text.set("affine_node", 0, "0 0")
+        .set("rotation_enabled", 0, "0")
+        .set("scale_enabled", 0, "0")
+        .without("scale_step", 0)
+        .without("scale", 0)
+        .set("rotation", 0, "0*6")
+}
+
+/// So many rigid nodes in one point, which do not move.
+fn idle(text: Text, count: usize) -> Text {
+    let none = format!("0*{}", 3 * count);
+    points(text, "0", &none)
+        .set("node_count", 0, &count.to_string())
+        .set("affine_mode", 0, "0")
+        .without("affine_node", 0)
+        .set("translation", 0, &none)
+        .set("rotation", 0, &none)
+}
+
 const NODES: &[Fault] = &[
-    ("node_count_zero", "nodes.count.range", "Nobody moves a vertex.", |t| {
-        t.set("node_count", 0, "0")
-            .without("node_vertex_gap", 0)
-            .without("affine_node", 0)
-            .without_motion()
+    ("node_count_zero", "nodes.count.range", "Key nodes of which there are none.", |t| {
+        idle(t, 1)
+            .set("node_count", 0, "0")
+            .without("node_delta", 0)
+            .without("rotation_step", 0)
+            .without("parameter_table", 0)
+            .without("translation", 0)
+            .without("rotation", 0)
     }),
     ("node_count_level", "nodes.count.range", "More nodes than the level allows.", |t| {
-        t.set("node_count", 0, "513")
-            .set("node_vertex_gap", 0, "0*513")
-            .set("affine_node", 0, "0*513")
-            .without_motion()
+        idle(t, 513)
     }),
-    ("sigma_zero", "nodes.sigma.range", "Division by zero.", |t| {
+    ("sigma_zero", "nodes.sigma.range", "A squared distance divided by zero.", |t| {
         t.set("weight_scheme", 0, "2").after("affine_mode", 0, &["weight_sigma = 0"])
     }),
-    ("node_vertex", "nodes.vertex.range", "Vertex 16 of 16.", |t| {
-        t.set("node_vertex_gap", 0, "1 14").without_motion()
+    ("sigma_large", "nodes.sigma.range", "A sigma of 2^20, as wide as the grid.", |t| {
+        t.set("weight_scheme", 0, "2").after("affine_mode", 0, &["weight_sigma = 1048576"])
     }),
-    ("node_position", "nodes.position.range", "A node outside the grid.", |t| {
-        t.set("node_coding", 0, "1")
-            .set("node_vertex_rice", 0, "20")
-            .set("node_vertex_gap", 0, "-1048575 0 0 -1 0 0")
-            .map_names(&[
-                ("node_vertex_rice", "node_delta_rice"),
-                ("node_vertex_gap", "node_delta"),
-            ])
-            .without_motion()
+    ("node_vertex", "nodes.vertex.range", "Vertex 16 of 16.", |t| {
+        t.set("node_vertex_gap", 0, "1 14")
+    }),
+    ("node_position", "nodes.position.range", "A node a step before the grid.", |t| {
+        points(t, "20", "-1048575 0 0 -1 0 0").set("translation", 0, "0 0 0 9 0 0")
+    }),
+    ("node_position_above", "nodes.position.range", "A node a step behind the grid.", |t| {
+        points(t, "20", "0 1048575 0 0 1 0").set("translation", 0, "0 0 0 0 -9 0")
+    }),
+    ("delta_endless", "descriptor.rice.range", "33 ones for a small number.", |t| {
+        let long = "-17 as 0b1111111111111111111111111111111110";
+        points(t, "0", long).after("node_delta", 0, &["node_delta = 0 0 4 0 0"])
+    }),
+    ("gap_wraps", "descriptor.rice.range", "A gap of 2^32 and a little more.", |t| {
+        t.set("node_vertex_rice", 0, "31")
+            .set("node_vertex_gap", 0, "1 as 0b1100000000000000000000000000000001")
+            .after("node_vertex_gap", 0, &["node_vertex_gap = 8"])
     }),
     ("gap_endless", "descriptor.rice.range", "A unary part of 33 ones.", |t| {
         t.set("node_vertex_rice", 0, "0")
@@ -189,21 +319,26 @@ const NODES: &[Fault] = &[
 ];
 
 const MOTION: &[Fault] = &[
-    ("reference_mode", "motion.reference.known", "A reserved mode.", |t| {
+    ("reference_mode", "motion.reference.known", "A reserved reference mode.", |t| {
         t.set("reference_mode", 0, "1")
     }),
-    ("entropy_mode", "motion.entropy.known", "A reserved mode.", |t| t.set("entropy_mode", 0, "1")),
+    ("entropy_mode", "motion.entropy.known", "A reserved entropy mode.", |t| {
+        t.set("entropy_mode", 0, "1")
+    }),
     ("residual", "motion.residual.known", "A residual that nobody reads.", |t| {
         t.set("residual_present", 0, "1")
     }),
-    ("translation_mode", "motion.translation.known", "A reserved mode.", |t| {
-        t.set("translation_mode", 0, "3")
-    }),
+    (
+        "translation_mode",
+        "motion.translation.known",
+        "A reserved prediction of translations.",
+        |t| t.set("translation_mode", 0, "3"),
+    ),
     ("enabled_rigid", "motion.enabled.affine", "Components that no node carries.", |t| {
         t.set("affine_node", 0, "0 0").without("scale_step", 0).without("scale", 0)
     }),
     ("table_48", "motion.table.range", "Beyond the last table.", |t| {
-        t.set("parameter_table", 0, "10 as 0b110000")
+        t.set("parameter_table", 0, "47 as 0b110000")
     }),
     ("translation_mode_first", "motion.translation.first", "There is no frame before.", |t| {
         t.set("translation_mode", 0, "2").before("translation", 0, &["translation_change = 0*6"])
@@ -225,23 +360,25 @@ const MOTION: &[Fault] = &[
     ("translation_huge", "motion.translation.range", "A product that leaves 29 bits.", |t| {
         t.set("translation_step", 0, "63").set("translation", 0, "4682 0*5")
     }),
-    (
-        "translation_grid",
-        "motion.translation.range",
-        "2^20 grid steps, whatever the fraction.",
-        |t| {
-            t.set("fraction_bits", 0, "0").set("translation_step", 0, "4").set(
-                "translation",
-                0,
-                "524288 0*5",
-            )
-        },
-    ),
     ("value_huge", "descriptor.huffman.range", "An escaped value of 2^20.", |t| {
         t.set("translation", 0, "1048576 0*5")
     }),
+    ("value_low", "descriptor.huffman.range", "An escaped value of −2^20.", |t| {
+        t.set("translation", 0, "-1048576 0*5")
+    }),
+    ("escape_endless", "descriptor.ue.range", "An escaped value with 21 ones.", |t| {
+        let long = "0 as 0b11011111111111111111111111011111111111111111111111110";
+        t.set("translation_table", 0, "8").set("translation", 0, long).after(
+            "translation",
+            0,
+            &["translation = 0*5"],
+        )
+    }),
     ("angle", "motion.rotation.range", "Beyond the range of the polynomials.", |t| {
         t.set("rotation_step", 0, "63").set("rotation", 0, "2 0*5")
+    }),
+    ("angle_back", "motion.rotation.range", "An angle as far below zero.", |t| {
+        t.set("rotation_step", 0, "63").set("rotation", 0, "-2 0*5")
     }),
     ("scale_zero", "motion.scale.range", "A node that collapses.", |t| {
         t.set("scale_step", 0, "56").set("scale", 0, "-1 0 0")
@@ -249,7 +386,18 @@ const MOTION: &[Fault] = &[
     ("scale_large", "motion.scale.range", "A scale of 9.", |t| {
         t.set("scale_step", 0, "56").set("scale", 0, "8 0 0")
     }),
+    ("shear_large", "motion.shear.range", "A shear of 9.", |t| sheared(t, "9 0 0")),
+    ("shear_low", "motion.shear.range", "A shear of −9.", |t| sheared(t, "0 0 -9")),
 ];
+
+/// Shears of the affine node, in ones.
+fn sheared(text: Text, values: &str) -> Text {
+    text.set("shear_enabled", 0, "1").after("scale_step", 0, &["shear_step = 56"]).after(
+        "scale",
+        0,
+        &[&format!("shear = {values}")],
+    )
+}
 
 const DEFORMATION: &[Fault] = &[
     ("region_without_node", "deform.influence.strict", "Strict, and the head has no node.", |t| {
@@ -259,28 +407,25 @@ const DEFORMATION: &[Fault] = &[
         t.set("translation_step", 0, "48").set("translation", 0, "65535 0 0 65535 0 0")
     }),
     ("node_flies_off", "deform.nodes.move", "A node outside the grid, no vertex near it.", |t| {
-        t.set("node_coding", 0, "1")
-            .set("node_vertex_rice", 0, "20")
-            .set("node_vertex_gap", 0, "0 0 0 1048575 0 0")
-            .map_names(&[
-                ("node_vertex_rice", "node_delta_rice"),
-                ("node_vertex_gap", "node_delta"),
-            ])
-            .set("affine_node", 0, "0 0")
-            .set("rotation_enabled", 0, "0")
-            .set("scale_enabled", 0, "0")
-            .without("scale_step", 0)
-            .without("scale", 0)
-            .set("nodes_per_vertex", 0, "1")
-            .set("translation_step", 0, "24")
-            .set("translation", 0, "0 0 0 4 0 0")
+        leaving(t, "0 0 0 1048575 0 0", "0 0 0 4 0 0")
+    }),
+    ("node_flies_back", "deform.nodes.move", "A node outside the grid on its lower side.", |t| {
+        leaving(t, "0 0 0 0 0 -1048575", "0 0 0 0 0 -4")
     }),
 ];
+
+/// Two nodes as points, each vertex with the nearest.
+fn leaving(text: Text, deltas: &str, translation: &str) -> Text {
+    points(text, "20", deltas).set("nodes_per_vertex", 0, "1").set("translation", 0, translation)
+}
 
 const INDEX_FAULTS: &[Fault] = &[
     ("index_empty", "index.count.range", "An index of no groups.", |t| t.end("group_count = 0")),
     ("index_frames_zero", "index.frames.range", "A group of no frames.", |t| {
         t.end("group_frames = 0")
+    }),
+    ("index_frames_many", "index.frames.range", "Five frames where four are the most.", |t| {
+        t.end("group_frames = 5")
     }),
     ("index_frames", "index.groups.match", "Three frames where there are two.", |t| {
         t.end("group_frames = 3")

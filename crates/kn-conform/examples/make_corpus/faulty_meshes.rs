@@ -1,34 +1,67 @@
-//! Streams whose I-frame is broken: damaged payloads, one for each rule that damage can break.
+//! Streams whose I-frame is broken. What they are made of is sound but for the rule that they break, so that a decoder which
+//! does not check it decodes them.
 
-use std::collections::BTreeMap;
 use std::error::Error;
 
-use kn_codec::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra};
-use kn_conform::decode_mesh;
-use kn_mesh::{GridMesh, Mesh};
+use kn_mesh::GridMesh;
 
 use crate::Draft;
-use crate::meshes::{ellipsoid, opened, torus, twins};
-use crate::texts::{HEADER, INDEX, MOTION, intra_unit, knotted, payload_of, strip};
+use crate::decisions::{Decisions, payload, section};
+use crate::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
 use crate::uncommon_meshes::lattice_payload;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
-    let unlabelled = payload_of(&strip(8, None))?;
-    let strange = payload_of(&strip(8, Some([0, 15])))?;
-    let mut drafts = vec![
-        draft("labels_absent", "intra.labels.present", "Labels promised, none there.", &unlabelled),
-        draft("label_range", "intra.labels.range", "Label 15 of 15.", &strange),
+    let plain = payload_of(&strip(8, None))?;
+    let lists = [headers(&plain), sections(&plain)?, lattices(), levels(), labels(&plain)?];
+    Ok([lists.concat(), crate::faulty_conquests::drafts(), vec![nodes_on_nothing()?]].concat())
+}
+
+/// Places of the numbers in the header of a small mesh: each below 128, a byte.
+const VERTEX_COUNT: usize = 2;
+const FACE_COUNT: usize = 4;
+const GEOMETRY_SIZE: usize = 9;
+const LABEL_SIZE: usize = 10;
+
+/// The payload with a byte, or several, in the place of another.
+fn with(payload: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
+    [&payload[..at], bytes, &payload[at + 1..]].concat()
+}
+
+fn headers(plain: &[u8]) -> Vec<Draft> {
+    let header = "intra.header";
+    let long = [plain[VERTEX_COUNT] | 0x80, 0];
+    vec![
+        draft("intra_header", header, "A flag of a later version.", &with(plain, 0, &[4])),
         draft(
-            "lattice_least",
-            "intra.geometry.lattice",
-            "The least value of a lattice is −2^20: its magnitude is one too large.",
-            &lattice_payload([&[-(1 << 20), 0], &[0], &[0]], &[[1, 0, 0]]),
+            "intra_header_long",
+            header,
+            "A count with a group too many.",
+            &with(plain, VERTEX_COUNT, &long),
         ),
         draft(
-            "intra_sections_consumed",
-            "intra.sections.consumed",
-            "A geometry section with 16 bytes more than its decisions read.",
-            &spare_bytes()?,
+            "intra_header_wraps",
+            header,
+            "A size of 2^32, which is 0 in 32 bits.",
+            &with(plain, LABEL_SIZE, &[0x80, 0x80, 0x80, 0x80, 0x10]),
+        ),
+        draft("intra_header_short", header, "A payload that ends before its last size.", &[0; 10]),
+        draft(
+            "intra_header_attributes",
+            "intra.header.attributes",
+            "An attribute of a later version.",
+            &with(plain, 1, &[1]),
+        ),
+        draft(
+            "intra_vertices_count",
+            "intra.vertices.count",
+            "A vertex more is promised than the conquest brings.",
+            &with(plain, VERTEX_COUNT, &[plain[VERTEX_COUNT] + 1]),
+        ),
+        draft(
+            "intra_faces_count",
+            "intra.faces.count",
+            "A face more is promised than the conquest brings.",
+            &with(plain, FACE_COUNT, &[plain[FACE_COUNT] + 1]),
         ),
         draft(
             "intra_counts_density",
@@ -36,22 +69,169 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
             "40000 vertices, which the level allows, in 16 bytes, which cannot hold them: refuse before allocating.",
             &[0, 0, 0xc0, 0xb8, 0x02, 0xc0, 0xb8, 0x02, 0, 0, 0, 0, 0, 1, 0, 0],
         ),
-        spare_label_section(&unlabelled),
-        nodes_on_nothing()?,
-    ];
-    for (rule, payload) in damaged_payloads()? {
-        if ["intra.sections.consumed", "intra.counts.density"].contains(&rule) {
-            continue;
-        }
-        let name = rule.replace('.', "_");
-        drafts.push(draft(&name, rule, "A damaged or hostile mesh.", &payload));
-    }
-    Ok(drafts)
+    ]
 }
 
-fn draft(name: &str, rule: &'static str, danger: &str, payload: &[u8]) -> Draft {
+fn sections(plain: &[u8]) -> Result<Vec<Draft>, Box<dyn Error>> {
+    let consumed = "intra.sections.consumed";
+    let size = "intra.sections.size";
+    let in_origin = "is_zero=1 ".repeat(3);
+    let faces = |corner: u32| section(&format!("16:0 16:0 16:0 16:0 16:0 16:{corner}"));
+    let one_vertex =
+        |connectivity| payload(0, [1, 1, 1, 1, 0, 0], [connectivity, section(&in_origin), vec![]]);
+    let far = |sign: u8| {
+        let longer: String = (0..20).map(|place| format!("longer.{place}=1 ")).collect();
+        let value =
+            format!("is_negative={sign} {longer}longer.20=0 second.20=0 third.20=0 2:0 16:0");
+        let script = format!("is_zero=0 {value} is_zero=1 is_zero=1");
+        payload(0, [1, 1, 0, 0, 0, 0], [vec![], section(&script), vec![]])
+    };
+    let range = "intra.geometry.range";
+    Ok(vec![
+        draft(
+            "intra_sections_consumed",
+            consumed,
+            "A geometry section with 16 bytes more than its decisions read.",
+            &spare_bytes()?,
+        ),
+        draft(
+            "intra_sections_short",
+            consumed,
+            "A section that ends 4 bytes too early; zeros would do behind its end.",
+            &one_vertex(vec![]),
+        ),
+        draft(
+            "intra_sections_size",
+            size,
+            "A byte behind the last section.",
+            &[plain, &[0]].concat(),
+        ),
+        draft(
+            "label_section_spare",
+            size,
+            "A byte of labels in a payload without labels.",
+            &[&with(plain, LABEL_SIZE, &[1]), &[0][..]].concat(),
+        ),
+        draft(
+            "intra_faces_raw",
+            "intra.faces.raw",
+            "A raw face of vertex 1 of 1.",
+            &one_vertex(faces(1)),
+        ),
+        draft("intra_geometry_range", range, "A coordinate of 2^20.", &far(0)),
+        draft("intra_geometry_least", range, "A coordinate of −2^20.", &far(1)),
+    ])
+}
+
+fn lattices() -> Vec<Draft> {
+    let lattice = |name: &str, danger: &str, values: &[i32], ranks: &[[i32; 3]]| {
+        draft(name, "intra.geometry.lattice", danger, &lattice_payload([values, &[0], &[0]], ranks))
+    };
+    let two = [[0, 0, 0], [1, 0, 0]];
+    vec![
+        lattice(
+            "lattice_least",
+            "The least value of a lattice is −2^20: its magnitude is one too large.",
+            &[-(1 << 20), 0],
+            &two,
+        ),
+        lattice("lattice_largest", "The last value of a lattice is 2^20.", &[0, 1 << 20], &two),
+        lattice("lattice_empty", "A lattice without values on an axis.", &[], &[[0, 0, 0]]),
+        lattice(
+            "lattice_long",
+            "More values on an axis than there are vertices.",
+            &[0, 1],
+            &[[0, 0, 0]],
+        ),
+        lattice(
+            "intra_geometry_lattice",
+            "A rank behind the end of the list.",
+            &[0, 5],
+            &[[0, 0, 0], [2, 0, 0]],
+        ),
+        lattice("lattice_rank_below", "A rank of −1.", &[0, 5], &[[0, 0, 0], [-1, 0, 0]]),
+    ]
+}
+
+/// Meshes larger than level 0 allows, in a few hundred bytes.
+fn levels() -> Vec<Draft> {
+    let level = "intra.size.level";
+    let vertices = (1 << 16) + 1;
+    let mut geometry = Decisions::default();
+    (0..3 * vertices).for_each(|_| geometry.bit("is_zero", true));
+    let cloud = payload(0, [vertices, vertices, 0, 0, 0, 0], [vec![], geometry.finish(), vec![]]);
+    vec![
+        draft(
+            "intra_size_level",
+            level,
+            "A vertex more than the level allows, in 100 bytes.",
+            &cloud,
+        ),
+        draft(
+            "intra_size_faces",
+            level,
+            "Faces of one point, two more than the level allows, in 1 KiB.",
+            &many_faces((1 << 16) + 1),
+        ),
+    ]
+}
+
+/// Pairs of triangles back to back, all of their corners in one point.
+fn many_faces(pairs: u32) -> Vec<u8> {
+    let mut connectivity = Decisions::default();
+    // Valence 2 thrice, the rest is forced.
+    let valence =
+        "is_six.4=0 is_less.4=1 less_than.4.5=1 less_than.4.4=1 less_than.4.3=1 less_than.4.2=0 ";
+    let seed = valence.repeat(3);
+    (0..pairs).for_each(|_| connectivity.script(&seed));
+    for vertex in 1..3 * pairs {
+        connectivity.gamma("gaps", u32::from(vertex == 1));
+        connectivity.gamma("depths", 0);
+    }
+    let geometry = section(&"is_zero=1 ".repeat(3));
+    payload(
+        0,
+        [1, 0, 2 * pairs, 0, pairs, 3 * pairs - 1],
+        [connectivity.finish(), geometry, vec![]],
+    )
+}
+
+fn labels(plain: &[u8]) -> Result<Vec<Draft>, Box<dyn Error>> {
+    let labelled = payload_of(&strip(8, Some([0, 0])))?;
+    let strange = payload_of(&strip(8, Some([0, 15])))?;
+    let (present, range) = ("intra.labels.present", "intra.labels.range");
+    let none = "label_set = 2\nnames_present = 0\ngrid_origin = 0.0 0.0 0.0\ngrid_step = 0.001\nlabel_count = 0\n";
+    let start = HEADER.split("label_set").next().unwrap_or_default();
+    let empty = payload(1, [0; 6], [vec![], vec![], vec![]]);
+    Ok(vec![
+        with_labels("labels_absent", present, "Labels promised, none there.", plain),
+        draft(
+            "labels_unasked",
+            present,
+            "Labels that the sequence header does not know of.",
+            &labelled,
+        ),
+        with_labels("label_range", range, "Label 15 of 15.", &strange),
+        Draft {
+            name: "label_count_zero".into(),
+            text: format!("{start}{none}{}{INDEX}", intra_unit(&empty)),
+            danger: "A set of no labels, for a mesh without vertices.".into(),
+            rule: Some("header.labels.count"),
+            covers: &[],
+        },
+    ])
+}
+
+/// A file of one I-frame whose header says that vertices have the labels of a body.
+fn with_labels(name: &str, rule: &'static str, danger: &str, payload: &[u8]) -> Draft {
     let text = format!("{HEADER}{}{INDEX}", intra_unit(payload));
     Draft { name: name.into(), text, danger: danger.into(), rule: Some(rule), covers: &[] }
+}
+
+/// A file of one I-frame without labels.
+pub(crate) fn draft(name: &str, rule: &'static str, danger: &str, payload: &[u8]) -> Draft {
+    let draft = with_labels(name, rule, danger, payload);
+    Draft { text: draft.text.replace("label_set = 1", "label_set = 0"), ..draft }
 }
 
 /// Key nodes for a mesh without vertices.
@@ -74,100 +254,10 @@ fn nodes_on_nothing() -> Result<Draft, Box<dyn Error>> {
     })
 }
 
-/// For every rule that some damage breaks, the first payload that breaks it.
-fn damaged_payloads() -> Result<BTreeMap<&'static str, Vec<u8>>, Box<dyn Error>> {
-    let mut found = BTreeMap::new();
-    for mesh in meshes() {
-        let sound = payload_of(&mesh)?;
-        for payload in damages(&sound) {
-            if let Some(rule) = broken_rule(&payload) {
-                found.entry(rule).or_insert(payload);
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// The rule by which a payload is refused at level 0, by our decoder and read literally: what breaks
-/// several rules is of use only where both meet the same one first.
-fn broken_rule(payload: &[u8]) -> Option<&'static str> {
-    let limits = IntraLimits { max_vertices: 1 << 16, max_faces: 1 << 17 };
-    let mut mesh = GridMesh::default();
-    match decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut mesh) {
-        Err(IntraError::Malformed { rule, .. }) if decode_mesh(payload) == Err(rule) => Some(rule),
-        Err(IntraError::Limit { .. }) => Some("intra.size.level"),
-        _ => None,
-    }
-}
-
-/// A sound payload but for what its geometry section ends with. The counts of this mesh are below
-/// 128, so that each number of the header is a byte.
+/// A sound payload but for what its geometry section ends with.
 fn spare_bytes() -> Result<Vec<u8>, Box<dyn Error>> {
-    const GEOMETRY_SIZE: usize = 2 + 7;
-    let mut payload = payload_of(&strip(8, Some([0, 7])))?;
-    let sizes = &payload[GEOMETRY_SIZE - 1..];
-    let end = payload.len() - usize::from(sizes[2]);
-    payload.splice(end..end, [0; 16]);
+    let mut payload = payload_of(&strip(8, None))?;
+    payload.extend([0; 16]);
     payload[GEOMETRY_SIZE] += 16;
     Ok(payload)
-}
-
-/// A label section where the flags promise none. The counts of this mesh are below 128 too.
-fn spare_label_section(unlabelled: &[u8]) -> Draft {
-    const LABEL_SIZE: usize = 2 + 8;
-    let mut payload = unlabelled.to_vec();
-    payload[LABEL_SIZE] = 1;
-    payload.push(0);
-    let danger = "A byte of labels in a payload without labels.";
-    let draft = draft("label_section_spare", "intra.sections.size", danger, &payload);
-    Draft { text: draft.text.replace("label_set = 1", "label_set = 0"), ..draft }
-}
-
-/// Every prefix, every flipped bit, and every byte replaced by a few others.
-fn damages(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
-    let prefixes = (0..sound.len()).map(|length| sound[..length].to_vec());
-    let flips = (0..8 * sound.len()).map(|bit| {
-        let mut payload = sound.to_vec();
-        payload[bit / 8] ^= 0x80 >> (bit % 8);
-        payload
-    });
-    let others: [&[u8]; 5] = [&[], &[0], &[0xff], &[0x81, 0x80, 0x04], &[0xff, 0xff, 0x7f]];
-    let replaced = (0..sound.len())
-        .flat_map(move |at| others.map(|other| [&sound[..at], other, &sound[at + 1..]].concat()));
-    prefixes.chain(flips).chain(replaced).chain(scrambled(sound))
-}
-
-/// A few bytes anywhere replaced by noise, always the same noise.
-fn scrambled(sound: &[u8]) -> impl Iterator<Item = Vec<u8>> {
-    const TRIES: usize = 50_000;
-    let mut state = 1_u64;
-    let mut random = move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize
-    };
-    (0..TRIES).map(move |_| {
-        let mut payload = sound.to_vec();
-        let start = random() % payload.len();
-        for byte in payload.iter_mut().skip(start).take(1 + random() % 12) {
-            *byte = random() as u8;
-        }
-        payload
-    })
-}
-
-/// Meshes that between them use every part of the coder: a boundary, several components, an
-/// isolated vertex, a degenerate face, an edge of three faces, a hole through.
-fn meshes() -> Vec<GridMesh> {
-    let round = on_grid(&ellipsoid(4, 6));
-    let open = on_grid(&opened(&twins(&ellipsoid(3, 5))));
-    let mut ring = strip(9, None);
-    ring.faces.extend([[16, 0, 17], [17, 0, 1]]);
-    ring.positions.push([5, 5, 5]);
-    vec![round, open, knotted(), ring, on_grid(&torus(6, 5))]
-}
-
-fn on_grid(mesh: &Mesh) -> GridMesh {
-    let positions = mesh.positions.iter().map(|p| p.map(|x| (x * 100.0) as i32)).collect();
-    GridMesh { positions, faces: mesh.faces.clone(), labels: vec![7; mesh.positions.len()] }
 }

@@ -5,7 +5,9 @@
 //! those of our decoder, stages those of the literal one.
 
 mod core_streams;
+mod decisions;
 mod faulty;
+mod faulty_conquests;
 mod faulty_meshes;
 mod meshes;
 mod shapes;

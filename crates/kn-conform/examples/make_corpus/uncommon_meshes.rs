@@ -263,7 +263,7 @@ fn write_lists(coder: &mut RangeEncoder<'_>, values: [&[i32]; 3]) {
     let mut longer = [[[BitModel::default(); 8]; 9]; 9];
     for values in values {
         code_gamma(coder, &mut counts, values.len() as u32);
-        let least = (values[0] + (1 << 20)) as u32;
+        let least = (values.first().unwrap_or(&0) + (1 << 20)) as u32;
         coder.raw(least >> RAW_LIMIT, 5);
         coder.raw(least, RAW_LIMIT);
         let [mut near, mut far] = [0; 2];

@@ -13,7 +13,7 @@ use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 const LIMIT: i64 = 1 << 20;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
-    let mut drafts = vec![at_the_limit("largest_position", None, LIMIT_BELOW)?];
+    let mut drafts = vec![largest_position()?];
     for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
         drafts.push(ties(name, slots, slots)?);
     }
@@ -27,7 +27,34 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 pub(crate) fn faulty() -> Result<Vec<Draft>, Box<dyn Error>> {
-    Ok(vec![at_the_limit("position_at_limit", Some("deform.position.range"), LIMIT_EXACT)?])
+    let position = Some("deform.position.range");
+    let translation = Some("motion.translation.range");
+    Ok(vec![
+        at_the_limit(LIMIT_EXACT, |x| [x, 0, 0])?.draft(
+            "position_at_limit",
+            "A sum of 2^20 − 1/2 steps, which would be rounded to 2^20.",
+            position,
+            LIMIT_RULES,
+        )?,
+        at_the_limit(LIMIT_EXACT, |x| [0, 0, -x])?.draft(
+            "position_at_lower_limit",
+            "A sum of −2^20 + 1/2 steps.",
+            position,
+            LIMIT_RULES,
+        )?,
+        moved_across(1).draft(
+            "translation_grid",
+            "A translation by 2^20 grid steps, whatever the fraction, between two places in the grid.",
+            translation,
+            &[],
+        )?,
+        moved_across(-1).draft(
+            "translation_grid_back",
+            "A translation by −2^20 grid steps between two places in the grid.",
+            translation,
+            &[],
+        )?,
+    ])
 }
 
 /// Nodes as points, and one P-frame for each entry of `motions`.
@@ -161,21 +188,23 @@ fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft, Box<dyn Error>>
 const LIMIT_BELOW: i64 = 8191;
 const LIMIT_EXACT: i64 = 8192;
 
+fn largest_position() -> Result<Draft, Box<dyn Error>> {
+    let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
+    let scene = at_the_limit(LIMIT_BELOW, |x| [x, 0, -x])?;
+    scene.draft("largest_position", danger, None, LIMIT_RULES)
+}
+
+const LIMIT_RULES: &[&str] = &["deform.position.range", "deform.round"];
+
 /// One node in the origin scales a vertex to the end of the grid.
-fn at_the_limit(
-    name: &str,
-    rule: Option<&'static str>,
-    excess: i64,
-) -> Result<Draft, Box<dyn Error>> {
+fn at_the_limit(excess: i64, corner: fn(i32) -> [i32; 3]) -> Result<Scene, Box<dyn Error>> {
     let goal = (LIMIT - 1) * 16384 + excess;
     let found = (LIMIT / 2..LIMIT).rev().find(|x| goal % x == 0 && goal / x < 8 * 16384);
     let x = found.ok_or("no coordinate reaches the limit")?;
     let scale = (goal / x - 16384) as i32;
-    let mut positions = vec![[0, 5, 0], [7, 0, 1]];
-    positions.push([x as i32, 0, -(x as i32)]);
-    let scene = Scene {
+    Ok(Scene {
         header: whole_steps(1),
-        mesh: cloud(positions),
+        mesh: cloud(vec![[0, 5, 0], [7, 0, 1], corner(x as i32)]),
         nodes: vec![[0; 3]],
         affine: true,
         sigma: None,
@@ -184,15 +213,26 @@ fn at_the_limit(
             turn_or_scale: vec![[scale; 3]],
             ..Motion::default()
         }],
-    };
-    let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
-    let covers: &[_] = match rule {
-        Some(_) => {
-            &["deform.position.range", "deform.round", "conventions.refusal", "conformance.verdict"]
-        }
-        None => &["deform.position.range", "deform.round"],
-    };
-    scene.draft(name, danger, rule, covers)
+    })
+}
+
+/// One node carries a few vertices from the middle of one half of the grid to that of the other.
+fn moved_across(side: i32) -> Scene {
+    let start = -side * (LIMIT / 2) as i32;
+    Scene {
+        header: whole_steps(1),
+        mesh: cloud(vec![[start, 5, 0], [start + 7, 0, 1], [start - 3, 2, 0]]),
+        nodes: vec![[start, 0, 0]],
+        affine: false,
+        sigma: None,
+        // Steps of 2.
+        motions: vec![Motion {
+            translation: vec![[-start, 0, 0]],
+            turn_or_scale: vec![[0; 3]],
+            steps: [4, 0],
+            ..Motion::default()
+        }],
+    }
 }
 
 /// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
