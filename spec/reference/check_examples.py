@@ -72,7 +72,9 @@ def read(what, known, data):
         rigid = known["NodeCount"] - known["AffineCount"]
         affine = [False] * rigid + [True] * known["AffineCount"]
         # where it is not said, the frame is the first P-frame of its group
-        prediction = motion.Prediction([(0, 0, 0)] * len(affine), [0] * len(affine), [], syntax.Elements())
+        header = syntax.Elements()
+        header.fraction_bits = 8
+        prediction = motion.Prediction([(0, 0, 0)] * len(affine), [0] * len(affine), [], header)
         prediction.previous_table = known.get("PreviousTable")
         prediction.previous_step, prediction.previous_translations = 1, [(0, 0, 0)] * len(affine)
         m = syntax.motion_frame(r, affine, known.get("PartCount", 1), prediction.previous_table)
