@@ -6,12 +6,13 @@ use crate::arguments::Global;
 use crate::choices::UpAxis;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
+use crate::scans;
 use crate::table::table;
 use crate::{Outcome, parts, progress};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use kn_fit::segment::{SegmentOptions, Segmenter, check_labels};
 use kn_mesh::io::{InputFrame, Inputs, LabelSource, ReadOptions};
-use kn_mesh::{Cleaned, Mesh, clean};
+use kn_mesh::{Cleaned, Mesh};
 use preview::Preview;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -89,7 +90,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     for frame in inputs.frames() {
         let frame = frame?;
         let named = || format!("{}: frame {}", frame.path.display(), frame.index);
-        let cleaned = clean(&frame.mesh).map_err(|fault| anyhow!("{}: {fault}", named()))?;
+        let cleaned = scans::cleaned(&frame)?;
         let (labels, row) = match arguments.check {
             None => found(&mut segmenter, &frame, &cleaned).with_context(named)?,
             Some(_) => checked(&frame, &cleaned, options).with_context(named)?,

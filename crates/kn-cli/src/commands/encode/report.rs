@@ -224,6 +224,7 @@ fn cleaned_json(report: &CleanReport) -> Value {
         "label_conflicts": report.label_conflicts,
         "degenerate": report.degenerate,
         "duplicate": report.duplicate,
+        "unused": report.unused,
         "boundary_edges": report.boundary_edges,
         "non_manifold_edges": report.non_manifold_edges,
         "components": report.components,
