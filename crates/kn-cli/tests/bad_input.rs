@@ -104,7 +104,7 @@ fn polygons_are_cut_and_that_is_said() {
     let output = kn(scans.encode("square.obj", &[]));
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("1 polygons cut into 2 triangles"), "{said}");
+    assert!(said.contains("1 polygon cut into 2 triangles"), "{said}");
     assert!(said.contains("not carried: normals (1)"), "{said}");
     assert!(succeeds(["info".into(), scans.text("a.knm")]).contains("1 frame (1 I, 0 P)"));
 }

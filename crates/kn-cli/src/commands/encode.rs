@@ -57,7 +57,8 @@ pub(crate) struct EncodeArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// The settings to start from; the flags below change them
-    #[arg(long, value_name = "NAME", default_value = "default", value_parser = choices::preset())]
+    #[arg(long, value_name = "NAME", default_value = "default", hide_default_value = true)]
+    #[arg(value_parser = choices::preset())]
     preset: &'static Preset,
     #[command(flatten)]
     settings: Settings,

@@ -23,9 +23,10 @@ use std::path::{Path, PathBuf};
 /// Find the body parts of scans: a .labels file for each, or a check of such files
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-A file NAME.labels holds one integer a line for each vertex of the scan, in the file's order: 0 head,
-1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso, 8 to 10 left thigh, leg
-and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is the person's left.
+A file NAME.labels holds one integer a line for each vertex of the scan, in the file's order: 0
+head, 1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso, 8 to 10 left thigh,
+leg and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is that of the
+person.
 
 Scans are looked at in their order: parts are followed from frame to frame, and what one frame does
 not show (which side is left, a hand on the hip) the others tell. Hands and lower arms that cannot
