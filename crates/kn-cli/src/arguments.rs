@@ -1,5 +1,6 @@
 //! The command line: every flag is defined once, with its help, in its command's file.
 
+use crate::choices::count;
 use crate::commands::Command;
 use clap::Parser;
 use std::num::NonZeroU16;
@@ -31,7 +32,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, clap::Args)]
 pub(crate) struct Global {
     /// Threads to use; results do not depend on it [default: all]
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = count)]
     pub(crate) threads: Option<NonZeroU16>,
     /// Print errors and results only
     #[arg(short, long, global = true)]

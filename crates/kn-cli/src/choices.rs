@@ -10,6 +10,7 @@ use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::io::LabelSource;
 use std::convert::Infallible;
 use std::fmt;
+use std::num::NonZeroU16;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -124,7 +125,7 @@ impl FromStr for NodeArgument {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.parse() {
-            _ if text == "auto" => Ok(Self::Auto),
+            _ if is_auto(text) => Ok(Self::Auto),
             Ok(count @ 1..=4096) => Ok(Self::Exactly(count)),
             _ => Err("the number of nodes is 1 to 4096, or `auto`".into()),
         }
@@ -257,11 +258,21 @@ impl From<DistortionArgument> for DistortionMeasure {
     }
 }
 
+/// In any case: placeholders of the help are in capitals.
+fn is_auto(text: &str) -> bool {
+    text.eq_ignore_ascii_case("auto")
+}
+
+/// Reads a number of threads or jobs.
+pub(crate) fn count(text: &str) -> Result<NonZeroU16, String> {
+    text.parse().map_err(|_| format!("it is a number from 1 to {}", u16::MAX))
+}
+
 /// Reads `auto` or a step in grid steps.
 pub(crate) fn motion_step(text: &str) -> Result<StepChoice, String> {
-    match text {
-        "auto" => Ok(StepChoice::Cost),
-        _ => length(text)
+    match is_auto(text) {
+        true => Ok(StepChoice::Cost),
+        false => length(text)
             .map(StepChoice::Fixed)
             .map_err(|_| "a motion step is auto or a positive number of grid steps".into()),
     }
@@ -298,8 +309,8 @@ impl From<TranslationArgument> for TranslationChoice {
 
 /// Reads `auto` or a strength.
 pub(crate) fn smoothing(text: &str) -> Result<SmoothingChoice, String> {
-    match (text, text.parse()) {
-        ("auto", _) => Ok(SmoothingChoice::Auto),
+    match (is_auto(text), text.parse()) {
+        (true, _) => Ok(SmoothingChoice::Auto),
         (_, Ok(strength @ 0..=5)) => Ok(SmoothingChoice::Strength(strength)),
         _ => Err("smoothing is auto or 0 to 5".into()),
     }
@@ -403,7 +414,7 @@ mod tests {
     #[test]
     fn node_numbers_are_in_range() {
         assert_eq!("150".parse(), Ok(NodeArgument::Exactly(150)));
-        assert_eq!("auto".parse(), Ok(NodeArgument::Auto));
+        assert_eq!(["auto", "AUTO"].map(str::parse), [const { Ok(NodeArgument::Auto) }; 2]);
         for bad in ["0", "4097", "-1", "70000", "many", ""] {
             assert!(bad.parse::<NodeArgument>().is_err(), "{bad}");
         }
@@ -428,7 +439,12 @@ mod tests {
 
     #[test]
     fn motion_steps_and_lambda_are_checked() {
-        assert_eq!(motion_step("auto"), Ok(StepChoice::Cost));
+        assert_eq!(["auto", "AUTO"].map(motion_step), [Ok(StepChoice::Cost), Ok(StepChoice::Cost)]);
+        assert_eq!(smoothing("Auto"), Ok(SmoothingChoice::Auto));
+        assert_eq!(count("7"), Ok(NonZeroU16::MIN.saturating_add(6)));
+        for bad in ["0", "70000", "-1", "x"] {
+            assert!(count(bad).is_err_and(|said| said.contains("1 to 65535")), "{bad}");
+        }
         assert_eq!(motion_step("0.5"), Ok(StepChoice::Fixed(0.5)));
         assert_eq!((lambda("0"), lambda("3e-5")), (Ok(0.0), Ok(3e-5)));
         for bad in ["", "0", "-1", "nan", "automatic"] {

@@ -12,6 +12,7 @@ mod outputs;
 mod parts;
 mod picture;
 mod progress;
+mod scans;
 mod sequence;
 mod settings;
 mod specification;

@@ -1,10 +1,11 @@
 //! Frames to measure: meshes in files, or a stream.
 
+use crate::scans;
 use crate::stream::{self, Source};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use kn_codec::{Decoder, FrameKind};
-use kn_mesh::io::{Frames, Inputs, LabelSource, ReadOptions};
-use kn_mesh::{BoundingBox, Mesh, clean};
+use kn_mesh::io::{Frames, InputFrame, Inputs, LabelSource, ReadOptions};
+use kn_mesh::{BoundingBox, Mesh};
 use std::path::{Path, PathBuf};
 
 /// A sequence that can be read as often as needed.
@@ -28,7 +29,8 @@ pub(crate) struct Frame {
 
 impl Sequence {
     /// What a path means: a .knm file, a mesh, a folder or a pattern of meshes. With `clean`,
-    /// meshes are welded and freed of degenerate and duplicate faces as `kn encode` does.
+    /// meshes are welded and freed of degenerate and duplicate faces and of vertices in no face, as
+    /// `kn encode` does.
     /// Labels are read where asked for: from files beside the meshes or a PLY property; a stream
     /// has its own.
     pub(crate) fn open(
@@ -109,12 +111,8 @@ impl Reader {
     }
 }
 
-fn scan(frame: kn_mesh::io::InputFrame, weld: bool) -> Result<Frame> {
+fn scan(frame: InputFrame, clean: bool) -> Result<Frame> {
     let (index, file) = (frame.index as u64, frame.path.display().to_string());
-    let mesh = if weld {
-        clean(&frame.mesh).map_err(|fault| anyhow!("{file}: frame {index}: {fault}"))?.mesh
-    } else {
-        frame.mesh
-    };
+    let mesh = if clean { scans::surface(&frame)?.mesh } else { frame.mesh };
     Ok(Frame { index, file, mesh, ..Frame::default() })
 }

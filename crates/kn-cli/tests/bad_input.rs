@@ -104,7 +104,7 @@ fn polygons_are_cut_and_that_is_said() {
     let output = kn(scans.encode("square.obj", &[]));
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("1 polygons cut into 2 triangles"), "{said}");
+    assert!(said.contains("1 polygon cut into 2 triangles"), "{said}");
     assert!(said.contains("not carried: normals (1)"), "{said}");
     assert!(succeeds(["info".into(), scans.text("a.knm")]).contains("1 frame (1 I, 0 P)"));
 }
@@ -160,6 +160,59 @@ fn a_frame_outside_the_grid() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("a length is a positive number"), "{}", stderr(&output));
     scans.assert_untouched();
+}
+
+#[test]
+fn a_grid_too_coarse_for_a_mesh() {
+    let scans = Scans::new();
+    let message = fails(scans.encode("scan/*.obj", &["--step", "50"]));
+    assert!(message.contains("f_08.obj: frame 0: the mesh is "), "{message}");
+    assert!(message.ends_with("which is less than a step of the grid, 5.000e1"), "{message}");
+    // A corner far away, of a face: every other frame is smaller than a step.
+    for far in ["1e30", "30000"] {
+        let obj = fs::read_to_string(scans.file(3)).expect("a scan");
+        let stretched = obj.replacen("\nf ", &format!("\nv {far} 0 0\nf 1 2 -1\nf "), 1);
+        fs::write(scans.file(3), &stretched).expect("written");
+        let message = fails(scans.encode("scan/*.obj", &[]));
+        assert!(message.contains("f_08.obj: frame 0: the mesh is "), "{message}");
+        assert!(
+            message.contains("and that of ") && message.contains("f_11.obj: frame 3"),
+            "{message}"
+        );
+        fs::write(scans.file(3), obj).expect("written");
+        // In every frame, so that none is smaller than the others.
+        let all = ["one.obj", "two.obj"].map(|name| scans.path(name));
+        all.iter().for_each(|path| fs::write(path, &stretched).expect("written"));
+        let [one, two] = all.each_ref().map(|path| path.to_string_lossy());
+        let message = fails(["encode", &one, &two, "-o", &scans.text("a.knm"), "--nodes", "9"]);
+        let said = "one.obj: frame 0: no face is left on the grid, whose step is ";
+        assert!(message.contains(said), "{message}");
+        all.iter().for_each(|path| fs::remove_file(path).expect("removed"));
+    }
+    scans.assert_untouched();
+}
+
+#[test]
+fn faces_that_are_all_degenerate() {
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 0 0\nf 1 2 3\n";
+    rejects(obj, "obj", &["all faces are degenerate"]);
+    let scans = Scans::new();
+    fs::write(scans.file(2), obj).expect("written");
+    let [scan, out] = [scans.text("scan"), scans.text("out")];
+    for arguments in
+        [&["compare", &scan, &scan, "--clean", "--fast"][..], &["segment", &scan, "-o", &out]]
+    {
+        let message = fails(arguments);
+        assert!(message.contains("f_10.obj: frame 2: all faces are degenerate"), "{message}");
+    }
+}
+
+#[test]
+fn a_folder_beside_files() {
+    let scans = Scans::new();
+    let [scan, file] = [scans.text("scan"), scans.text("scan/f_08.obj")];
+    let message = fails(["encode", &scan, &file, "-o", &scans.text("a.knm")]);
+    assert!(message.contains("scan: a folder cannot be listed beside files"), "{message}");
 }
 
 #[test]

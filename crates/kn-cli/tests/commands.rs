@@ -217,6 +217,49 @@ fn threads_do_not_change_the_stream() {
 }
 
 #[test]
+fn help_fits_and_its_placeholders_are_values() {
+    let scans = Scans::new();
+    for command in ["segment", "conform", "encode", "decode", "compare", "assemble", "rd"] {
+        let help = command_of_width(command);
+        assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+        // What is broken by hand and then once more leaves a word on a line of its own.
+        let text = help.rsplit("Print version").next().unwrap_or_default();
+        let lone = |line: &&str| !line.starts_with(' ') && line.len() < 5 && !line.is_empty();
+        let lone: Vec<&str> = text.lines().filter(lone).collect();
+        assert!(lone.is_empty(), "{command}: {lone:?}");
+    }
+    assert!(!succeeds(["encode", "--help"]).contains("[default: default]"));
+    let auto = ["--smoothing", "AUTO", "--motion-step", "AUTO"];
+    succeeds(scans.encode("scan/f_08.obj", &auto));
+    for (arguments, flag) in [
+        (["info", "x.knm", "--threads", "0"], "--threads"),
+        (["info", "x.knm", "--threads", "70000"], "--threads"),
+        (["rd", "x.toml", "--jobs", "0"], "--jobs"),
+    ] {
+        let said = stderr(&kn(arguments));
+        assert!(said.contains(flag) && said.contains("from 1 to 65535"), "{said}");
+    }
+}
+
+/// The help of a command on a terminal of 100 columns.
+fn command_of_width(name: &str) -> String {
+    let output = command([name, "--help"]).env("COLUMNS", "100").output().expect("starts");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn one_of_a_thing_is_called_so() {
+    let scans = Scans::new();
+    let mut arguments = scans.encode("scan/f_08.obj", &[]);
+    let said = stderr(&kn(&arguments));
+    assert!(said.contains(" 1 I-frame of ") && said.contains(" 0 P-frames of "), "{said}");
+    let output = kn(["decode", &scans.text("a.knm"), "-o", &scans.text("out")]);
+    assert!(stderr(&output).contains("out: 1 frame in 1 file\n"), "{}", stderr(&output));
+    arguments[3] = "-".into();
+    assert!(stderr(&kn(&arguments)).contains("standard output: "));
+}
+
+#[test]
 fn quiet_says_nothing() {
     let scans = Scans::new();
     let output = kn(scans.encode("scan", &["--quiet"]));

@@ -65,13 +65,68 @@ fn lossless_gives_every_coordinate_back() {
 #[test]
 fn lossless_refuses_what_lies_on_no_grid() {
     let scans = Scans::new();
-    let mut scan = mesh(&scans.file(2));
-    scan.positions[5][1] = std::f32::consts::PI * 1e-7;
-    write_mesh(&scans.file(2), &scan).expect("written");
+    for index in 0..FRAMES {
+        let mut scan = mesh(&scans.file(index));
+        for x in scan.positions.as_flattened_mut() {
+            *x = (*x * 1e3).round() / 1e3;
+        }
+        if index == 2 {
+            scan.positions[5][1] = std::f32::consts::PI * 1e-7;
+        }
+        write_mesh(&scans.file(index), &scan).expect("written");
+    }
     let message =
         fails(["encode", &scans.text("scan/*.obj"), "-o", &scans.text("a.knm"), "--lossless"]);
-    assert!(message.contains("lossless"), "{message}");
+    assert!(
+        message.contains("f_10.obj: frame 2: --lossless: vertex 5 has a coordinate 0.00000031"),
+        "{message}"
+    );
     scans.assert_untouched();
+}
+
+/// Adds a vertex that no face uses to every scan.
+fn add_stray(scans: &Scans, vertex: &str) {
+    for index in 0..FRAMES {
+        let obj = std::fs::read_to_string(scans.file(index)).expect("a scan");
+        let first_face = obj.find("\nf ").expect("faces");
+        // After the other vertices, so that the faces stay as they are.
+        let stray = format!("{}\nv {vertex}{}", &obj[..first_face], &obj[first_face..]);
+        std::fs::write(scans.file(index), stray).expect("written");
+    }
+}
+
+#[test]
+fn a_vertex_in_no_face_changes_nothing() {
+    let scans = Scans::new();
+    let plain = std::fs::read(scans.encoded()).expect("written");
+    add_stray(&scans, "100 0 0");
+    let maps = scans.text("maps");
+    let output = kn(scans.encode("scan/*.obj", &["--vertex-maps", &maps]));
+    let said = common::stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("5 in no face dropped") && said.contains("2047 of them"), "{said}");
+    assert!(std::fs::read(scans.path("a.knm")).expect("written") == plain);
+    let map = vertex_map(&scans.path("maps/f_08.map"));
+    assert_eq!(map.iter().position(Option::is_none), Some(map.len() - 1));
+    // It is not measured either.
+    let found = succeeds(["compare", &scans.text("scan"), &scans.text("a.knm"), "--fast"]);
+    let side = found.split("longest side ").nth(1).and_then(|rest| rest.split(',').next());
+    assert!(
+        side.and_then(|side| side.parse::<f64>().ok()).is_some_and(|side| side < 3.0),
+        "{found}"
+    );
+}
+
+#[test]
+fn lossless_keeps_a_vertex_in_no_face() {
+    let scans = Scans::new();
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 7 0 0\nf 1 2 3\n";
+    std::fs::write(scans.path("square.obj"), square).expect("written");
+    let stream = scans.text("a.knm");
+    succeeds(["encode", &scans.text("square.obj"), "-o", &stream, "--lossless"]);
+    succeeds(["decode", &stream, "-o", &scans.text("out")]);
+    let decoded = mesh(&scans.path("out/frame_0000.obj"));
+    assert!(decoded.positions.contains(&[7.0, 0.0, 0.0]), "{:?}", decoded.positions);
 }
 
 #[test]

@@ -74,6 +74,9 @@ fn sequences_of_different_length_are_compared_where_both_have_frames() {
     let [all, some] = [scans.text("scan/*.obj"), scans.text("scan/f_0*.obj")];
     let message = fails(["compare", &all, &some, "--fast", "--json"]);
     assert!(message.contains("scan/f_0*.obj: frame 2: there is no such frame, but "), "{message}");
+    let message = fails(["compare", &all, &all, "--fast", "--frames", "9"]);
+    let said = format!("there is no frame 9 to measure: {all} and {all} have 5 frames");
+    assert_eq!(message, said);
     let found = json(&["compare", &all, &some, "--fast", "--json", "--frames", "..1"]);
     assert_eq!(found["frames"].as_array().map(Vec::len), Some(2));
 }
@@ -133,7 +136,7 @@ fn what_cannot_be_compared() {
     assert!(message.contains("no frame") || message.contains("no such frame"), "{message}");
     fs::write(scans.path("flat.obj"), "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n").expect("written");
     let message = fails(["compare", &scans.text("flat.obj"), &stream]);
-    assert!(message.contains("one point"), "{message}");
+    assert!(message.contains("flat.obj: frame 0: all faces are degenerate"), "{message}");
 }
 
 #[test]

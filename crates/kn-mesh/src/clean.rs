@@ -2,7 +2,7 @@
 //! and a report of every change.
 //!
 //! Boundaries, non-manifold edges, loose components and isolated vertices are kept: they are the
-//! content, and the coder handles them. Faces of zero area are kept too as long as their three
+//! content, and the coder handles them. Vertices that no face uses can be dropped after that. Faces of zero area are kept too as long as their three
 //! vertices differ, since where they lie they hold the surface together.
 
 use crate::adjacency::{Components, EdgeTable, Rows};
@@ -16,10 +16,45 @@ pub struct Cleaned {
     /// The mesh without coincident vertices, degenerate and duplicate faces. Vertices keep the
     /// order of their first appearance, faces their order.
     pub mesh: Mesh,
-    /// `#V of the input`: the vertex of [`mesh`](Self::mesh) that each input vertex became.
+    /// `#V of the input`: the vertex of [`mesh`](Self::mesh) that each input vertex became, or
+    /// [`DROPPED`].
     pub vertex_map: Vec<u32>,
     /// What was changed and what was found.
     pub report: CleanReport,
+}
+
+/// In a vertex map: the vertex was dropped.
+pub const DROPPED: u32 = u32::MAX;
+
+impl Cleaned {
+    /// Drops the vertices that no face uses. They show nowhere, and a stray one would stretch the
+    /// grid of a whole sequence.
+    pub fn drop_isolated(mut self) -> Self {
+        if self.report.isolated == 0 {
+            return self;
+        }
+        let Mesh { positions, faces, labels } = &mut self.mesh;
+        let mut used = vec![false; positions.len()];
+        faces.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
+        let mut new_of = Vec::with_capacity(used.len());
+        let mut count = 0;
+        for &used in &used {
+            new_of.push(if used { count } else { DROPPED });
+            count += u32::from(used);
+        }
+        retain_marked(positions, &used);
+        retain_marked(labels, &used);
+        faces.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = new_of[*vertex as usize]);
+        self.vertex_map.iter_mut().for_each(|vertex| *vertex = new_of[*vertex as usize]);
+        self.report.unused += std::mem::take(&mut self.report.isolated);
+        self
+    }
+}
+
+/// Keeps what is marked; no labels stay none.
+fn retain_marked<T>(values: &mut Vec<T>, marks: &[bool]) {
+    let mut marks = marks.iter();
+    values.retain(|_| marks.next().is_some_and(|&mark| mark));
 }
 
 /// Counts of what [`clean`] changed and of what it found and kept; sums over frames with `+=`.
@@ -39,6 +74,8 @@ pub struct CleanReport {
     pub degenerate: u64,
     /// Faces dropped because an earlier face has the same three vertices in the same turn.
     pub duplicate: u64,
+    /// Vertices dropped because no face uses them, see [`Cleaned::drop_isolated`].
+    pub unused: u64,
     /// Kept: edges with one face.
     pub boundary_edges: u64,
     /// Kept: edges with three faces or more.
@@ -52,7 +89,7 @@ pub struct CleanReport {
 impl CleanReport {
     /// Whether the mesh came out with other vertices or faces than it went in.
     pub fn changed(&self) -> bool {
-        self.welded + self.degenerate + self.duplicate > 0
+        self.welded + self.degenerate + self.duplicate + self.unused > 0
     }
 }
 
@@ -65,6 +102,7 @@ impl AddAssign for CleanReport {
         self.label_conflicts += other.label_conflicts;
         self.degenerate += other.degenerate;
         self.duplicate += other.duplicate;
+        self.unused += other.unused;
         self.boundary_edges += other.boundary_edges;
         self.non_manifold_edges += other.non_manifold_edges;
         self.components += other.components;
@@ -77,10 +115,11 @@ impl fmt::Display for CleanReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} of {} vertices welded, {} degenerate and {} duplicate of {} faces dropped; \
+            "{} of {} vertices welded, {} in no face dropped, {} degenerate and {} duplicate of {} faces dropped; \
              kept {} components, {} boundary edges, {} non-manifold edges, {} isolated vertices",
             self.welded,
             self.input_vertices,
+            self.unused,
             self.degenerate,
             self.duplicate,
             self.input_faces,
@@ -242,12 +281,17 @@ mod tests {
             label_conflicts: 1,
             degenerate: 2,
             duplicate: 2,
+            unused: 0,
             boundary_edges: 0,
             non_manifold_edges: 0,
             components: 1,
             isolated: 1,
         };
         assert_eq!(cleaned.report, expected);
+        let dropped = cleaned.drop_isolated();
+        assert_eq!(dropped.vertex_map, [0, 1, 2, 0, 1, DROPPED]);
+        assert_eq!((dropped.mesh.positions.len(), &dropped.mesh.labels[..]), (3, &[7, 8, 9][..]));
+        assert_eq!((dropped.report.unused, dropped.report.isolated), (1, 0));
         let mut sum = expected;
         sum += expected;
         assert_eq!((sum.frames, sum.welded, sum.isolated), (2, 4, 2));
@@ -291,6 +335,17 @@ mod tests {
             let mut kept: Vec<_> = cleaned.mesh.faces.iter().map(|&f| lowest_first(f)).collect();
             kept.sort_unstable();
             prop_assert_eq!(kept, surface);
+
+            // Without isolated vertices it is the same surface.
+            let corners = |mesh: &Mesh| -> Vec<[f32; 3]> {
+                mesh.faces.iter().flatten().map(|&v| mesh.positions[v as usize]).collect()
+            };
+            let dropped = cleaned.clone().drop_isolated();
+            prop_assert_eq!(corners(&dropped.mesh), corners(&cleaned.mesh));
+            prop_assert_eq!(dropped.mesh.bounding_box(), input.surface_box());
+            for (vertex, &new) in dropped.vertex_map.iter().enumerate().filter(|v| *v.1 != DROPPED) {
+                prop_assert_eq!(dropped.mesh.positions[new as usize], input.positions[vertex]);
+            }
 
             let again = clean(&cleaned.mesh).expect("valid");
             prop_assert!(!again.report.changed());

@@ -9,34 +9,70 @@ pub struct ExactGrid {
     /// Steps that hold for all positions so far, the largest first.
     steps: Vec<f64>,
     bounds: Option<BoundingBox>,
+    frames: usize,
+    /// The last coordinate that ruled out the largest step so far.
+    finest: Option<Coordinate>,
+}
+
+/// A coordinate of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Which call of [`ExactGrid::include`] brought it, from 0.
+    pub frame: usize,
+    /// Index of the vertex.
+    pub vertex: usize,
+    /// World units.
+    pub value: f32,
 }
 
 /// Why coordinates cannot be coded without loss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExactGridError {
-    /// They are no multiples of a step that is tried, or there are none.
-    NoStep,
+    /// There are none.
+    Empty,
+    /// With this one they are no multiples of any step that is tried.
+    NoStep(Coordinate),
     /// Their box has 2^20 steps or more along an axis.
     TooWide {
         /// The step that all are multiples of, world units.
         step: f64,
         /// Steps along the longest side.
         steps: f64,
+        /// The coordinate that needs a step as small as this; none where it is the largest.
+        because: Option<Coordinate>,
     },
 }
 
 impl std::fmt::Display for ExactGridError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NoStep => f.write_str(
-                "the coordinates are neither integers nor multiples of a power of 1/2 (to 2^-20) or \
-                 1/10 (to 10^-7)",
-            ),
-            Self::TooWide { step, steps } => write!(
+            Self::Empty => f.write_str("there are no coordinates"),
+            Self::NoStep(Coordinate { vertex, value, .. }) => write!(
                 f,
-                "the coordinates are multiples of {step}, but their box is {steps} steps long: more \
-                 than 20 bits"
+                "vertex {vertex} has a coordinate {value}: together with those before they are \
+                 neither integers nor multiples of a power of 1/2 (to 2^-20) or 1/10 (to 10^-7)"
             ),
+            Self::TooWide { step, steps, because } => {
+                if let Some(Coordinate { vertex, value, .. }) = because {
+                    write!(f, "vertex {vertex} has a coordinate {value}: ")?;
+                }
+                write!(
+                    f,
+                    "the coordinates are multiples of {step}, but their box is {steps} steps long: \
+                     more than 20 bits"
+                )
+            }
+        }
+    }
+}
+
+impl ExactGridError {
+    /// The frame that it shows in, where it does in one.
+    pub fn frame(&self) -> Option<usize> {
+        match self {
+            Self::Empty => None,
+            Self::NoStep(coordinate) => Some(coordinate.frame),
+            Self::TooWide { because, .. } => because.map(|coordinate| coordinate.frame),
         }
     }
 }
@@ -50,7 +86,7 @@ impl Default for ExactGrid {
         let tenths = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
         let mut steps: Vec<f64> = std::iter::once(1.0).chain(halves).chain(tenths).collect();
         steps.sort_by(|a, b| b.total_cmp(a));
-        Self { steps, bounds: None }
+        Self { steps, bounds: None, frames: 0, finest: None }
     }
 }
 
@@ -58,7 +94,17 @@ impl ExactGrid {
     /// Takes a frame's positions (`#V × 3`) into account.
     pub fn include(&mut self, positions: &[[f32; 3]]) {
         let coordinates = positions.as_flattened();
-        self.steps.retain(|&step| coordinates.iter().all(|&x| is_multiple(x, step)));
+        let misfit = |&step: &f64| coordinates.iter().position(|&x| !is_multiple(x, step));
+        let misfits: Vec<Option<usize>> = self.steps.iter().map(misfit).collect();
+        // The steps before the first that is left are ruled out; the last to go shows why.
+        let ruled_out = misfits.iter().map_while(|misfit| *misfit).max();
+        if let Some(at) = ruled_out {
+            let (frame, value) = (self.frames, coordinates[at]);
+            self.finest = Some(Coordinate { frame, vertex: at / 3, value });
+        }
+        let mut misfits = misfits.into_iter();
+        self.steps.retain(|_| misfits.next().flatten().is_none());
+        self.frames += 1;
         self.bounds = match (self.bounds, BoundingBox::of(positions)) {
             (Some(all), Some(one)) => Some(all.union(one)),
             (all, one) => all.or(one),
@@ -70,12 +116,13 @@ impl ExactGrid {
     /// # Errors
     /// No step holds for all, or the largest that does needs more than 20 bits.
     pub fn grid(&self) -> Result<Grid, ExactGridError> {
-        let (Some(&step), Some(bounds)) = (self.steps.first(), self.bounds) else {
-            return Err(ExactGridError::NoStep);
+        let bounds = self.bounds.ok_or(ExactGridError::Empty)?;
+        let Some(&step) = self.steps.first() else {
+            return Err(self.finest.map_or(ExactGridError::Empty, ExactGridError::NoStep));
         };
         let steps = (bounds.longest_side() / step).round();
         if steps >= f64::from(Grid::LIMIT) {
-            return Err(ExactGridError::TooWide { step, steps });
+            return Err(ExactGridError::TooWide { step, steps, because: self.finest });
         }
         Ok(Grid { origin: bounds.min.map(|x| (x / step).round() * step), step })
     }
@@ -111,13 +158,22 @@ mod tests {
 
     #[test]
     fn what_is_not_on_a_grid_is_refused_with_the_reason() {
-        assert_eq!(grid(&[]), Err(ExactGridError::NoStep));
-        assert_eq!(grid(&[[0.1, 1.234e-8, 0.0]]), Err(ExactGridError::NoStep));
+        assert_eq!(grid(&[]), Err(ExactGridError::Empty));
+        let no_step =
+            |frame, vertex, value| Err(ExactGridError::NoStep(Coordinate { frame, vertex, value }));
+        let odd = grid(&[[1.0; 3], [0.1, 1.234e-8, 0.0], [1.0; 3]]);
+        assert_eq!(odd, no_step(0, 1, 1.234e-8));
         let wide = grid(&[[0.0; 3], [2_097_152.0, 0.0, 0.0]]);
-        assert_eq!(wide, Err(ExactGridError::TooWide { step: 1.0, steps: 2_097_152.0 }));
+        let (steps, because) = (2_097_152.0, None);
+        assert_eq!(wide, Err(ExactGridError::TooWide { step: 1.0, steps, because }));
+        let because = Some(Coordinate { frame: 0, vertex: 1, value: 0.5 });
+        let wide = grid(&[[0.0; 3], [0.5; 3], [1_048_576.0, 0.0, 0.0]]);
+        assert_eq!(wide, Err(ExactGridError::TooWide { step: 0.5, steps, because }));
         let mut search = ExactGrid::default();
         search.include(&[[3.0; 3]]);
         search.include(&[[f32::NAN, 0.0, 0.0]]);
-        assert_eq!(search.grid(), Err(ExactGridError::NoStep));
+        let found = search.grid().expect_err("no number");
+        assert!(matches!(found, ExactGridError::NoStep(Coordinate { frame: 1, vertex: 0, .. })));
+        assert_eq!(found.frame(), Some(1));
     }
 }

@@ -15,7 +15,7 @@ pub mod parts;
 #[cfg(feature = "performer")]
 pub mod performer;
 
-pub use clean::{CleanReport, Cleaned, clean};
-pub use exact::{ExactGrid, ExactGridError};
+pub use clean::{CleanReport, Cleaned, DROPPED, clean};
+pub use exact::{Coordinate, ExactGrid, ExactGridError};
 pub use grid::{Grid, GridError};
 pub use mesh::{BoundingBox, GridMesh, Mesh, MeshFault};

@@ -49,6 +49,19 @@ impl Mesh {
         BoundingBox::of(&self.positions)
     }
 
+    /// The axis-aligned box of the faces whose three corners lie apart: that of the mesh when it has been
+    /// cleaned and its isolated vertices dropped. `None` without such a face.
+    pub fn surface_box(&self) -> Option<BoundingBox> {
+        let corners = |face: &[u32; 3]| face.map(|vertex| self.positions[vertex as usize]);
+        let apart = |&[a, b, c]: &[[f32; 3]; 3]| a != b && b != c && c != a;
+        let mut bounds: Option<BoundingBox> = None;
+        for corner in self.faces.iter().map(corners).filter(apart).flatten() {
+            let corner = corner.map(f64::from);
+            bounds.get_or_insert(BoundingBox { min: corner, max: corner }).include(corner);
+        }
+        bounds
+    }
+
     /// `#V × 3` positions in binary64, for measuring.
     pub fn positions_f64(&self) -> Vec<[f64; 3]> {
         self.positions.iter().map(|p| p.map(f64::from)).collect()

@@ -57,7 +57,7 @@ fn obj_corners_polygons_and_negative_indices() {
     assert_eq!(scan.mesh.faces, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [0, 2, 3], [0, 1, 4]]);
     assert_eq!(
         scan.notes.to_string(),
-        "1 polygons cut into 2 triangles; not carried: normals (1), texture coordinates (1)"
+        "1 polygon cut into 2 triangles; not carried: normals (1), texture coordinates (1)"
     );
 }
 
@@ -161,7 +161,7 @@ fn ply_properties_are_used_or_listed() {
     assert_eq!(scan.mesh.labels, [3, 4, 5, 6]);
     assert_eq!(
         scan.notes.to_string(),
-        "1 polygons cut into 2 triangles; not carried: colours (4), coordinates rounded to \
+        "1 polygon cut into 2 triangles; not carried: colours (4), coordinates rounded to \
          binary32 (1), elements \"edge\" (1), face property \"flag\" (2), normal components (4)"
     );
     let colours = ReadOptions { labels: LabelSource::Colours, ..ReadOptions::default() };

@@ -32,7 +32,8 @@ pub(crate) struct DecodeArguments {
     /// The stream; - is standard input
     #[arg(value_name = "FILE")]
     input: PathBuf,
-    /// The folder for the meshes, made where it does not exist; or a .glb file for all frames
+    /// The folder for the meshes, made where it does not exist; or a .glb file for all frames, with
+    /// the coordinates as they are: neither turned upright nor brought to metres, as glTF has them
     #[arg(short, long, value_name = "FOLDER|FILE.glb")]
     output: PathBuf,
     /// Format of the meshes in a folder; PLY carries the labels [default: obj]

@@ -12,15 +12,16 @@ use crate::choices::{self, FrameRate, LabelArgument, UnitArgument, UpAxis};
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
+use crate::scans;
 use crate::settings::Settings;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use kn_codec::{
     AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
     NodeChoice, Preset, StepChoice, Summary,
 };
 use kn_fit::segment::check_labels;
-use kn_mesh::io::{Inputs, ReadOptions};
-use kn_mesh::{Mesh, clean};
+use kn_mesh::io::{InputFrame, Inputs, ReadOptions};
+use kn_mesh::{Cleaned, Mesh};
 use names::name_pattern;
 use report::Report;
 use serde_json::{Value, json};
@@ -34,8 +35,9 @@ use vertex_maps::VertexMaps;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 All frames are read once before encoding begins, so that one grid fits them all and a broken scan
-is found before any work is done. Seams are welded and degenerate and duplicate faces dropped; the
-sum is printed, --report has it frame by frame. Where the motion does not explain a frame, a new
+is found before any work is done. Seams are welded; degenerate and duplicate faces are dropped, and
+vertices that no face uses unless --lossless is given; the sum is printed, --report has it frame by
+frame. Where the motion does not explain a frame, a new
 group begins there, and the reason is printed.
 
 Examples:
@@ -55,7 +57,8 @@ pub(crate) struct EncodeArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// The settings to start from; the flags below change them
-    #[arg(long, value_name = "NAME", default_value = "default", value_parser = choices::preset())]
+    #[arg(long, value_name = "NAME", default_value = "default", hide_default_value = true)]
+    #[arg(value_parser = choices::preset())]
     preset: &'static Preset,
     #[command(flatten)]
     settings: Settings,
@@ -77,7 +80,7 @@ pub(crate) struct EncodeArguments {
     /// most 20 bits; all frames are I-frames
     #[arg(long, conflicts_with_all = ["bits", "step", "gof", "iframe_faces", "iframe_error"])]
     lossless: bool,
-    /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line
+    /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line; - is none
     #[arg(long, value_name = "FOLDER")]
     vertex_maps: Option<PathBuf>,
     /// Write what happened to every frame to this file, as JSON
@@ -94,12 +97,15 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let mut maps = maps.transpose()?;
     let survey = Survey::new(&inputs, global)?;
     let config = arguments.config(&survey)?;
+    let step = config.grid.step().context("the grid has no step")?;
+    survey.check_step(step)?;
     let settings = arguments.settings(&config, &survey);
     let labelled = survey.labelled || config.labels == LabelChoice::Auto;
     let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let summary = write_file(&arguments.output, |writer| {
-        encode(&inputs, config, writer, (&mut report, &mut maps), global)
+        let clean = if arguments.lossless { scans::cleaned } else { scans::surface };
+        encode((&inputs, clean), config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
     let seconds = start.elapsed().as_secs_f64();
@@ -111,13 +117,15 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     if lost {
         global.note("no labels: every key node is rigid (see --labels and --affine)");
     }
+    let steps = survey.steps(step);
+    global.note(format_args!("grid: step {step:.3e}, the longest side has {steps:.0} of them"));
     report.tell(&summary, seconds, &name_of(&arguments.output), global);
     Ok(Outcome::Good)
 }
 
 /// Reads, cleans and encodes every frame.
 fn encode(
-    inputs: &Inputs,
+    (inputs, clean): (&Inputs, fn(&InputFrame) -> Result<Cleaned>),
     config: EncoderConfig,
     writer: &mut dyn Write,
     (report, maps): (&mut Report, &mut Option<VertexMaps>),
@@ -128,8 +136,7 @@ fn encode(
     let mut encoder = Encoder::new(writer, config)?;
     for frame in inputs.frames() {
         let frame = frame?;
-        let cleaned = clean(&frame.mesh)
-            .map_err(|fault| anyhow!("{}: frame {}: {fault}", frame.path.display(), frame.index))?;
+        let cleaned = clean(&frame)?;
         report.read(frame.path, &cleaned.report, frame.notes);
         if let Some(maps) = maps {
             maps.read(frame.name, cleaned.vertex_map);
@@ -195,7 +202,7 @@ impl EncodeArguments {
         config.labels = LabelArgument::choice(self.labels.as_ref(), config.labels);
         self.settings.apply(&mut config, survey.bounds);
         if self.lossless {
-            config.grid = GridChoice::Lossless(survey.exact.grid().context("--lossless")?);
+            config.grid = GridChoice::Lossless(survey.lossless_grid()?);
             config.group_length = 1;
         }
         Ok(config)

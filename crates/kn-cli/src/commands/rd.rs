@@ -18,6 +18,7 @@ mod tables;
 
 use crate::Outcome;
 use crate::arguments::Global;
+use crate::choices::count;
 use crate::output::write_file;
 use crate::outputs::Outputs;
 use crate::progress;
@@ -69,7 +70,7 @@ pub(crate) struct RdArguments {
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Streams to work on at a time; they share the threads [default: one per thread]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     jobs: Option<NonZeroU16>,
     /// Run everything again
     #[arg(long)]

@@ -6,12 +6,13 @@ use crate::arguments::Global;
 use crate::choices::UpAxis;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
+use crate::scans;
 use crate::table::table;
 use crate::{Outcome, parts, progress};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use kn_fit::segment::{SegmentOptions, Segmenter, check_labels};
 use kn_mesh::io::{InputFrame, Inputs, LabelSource, ReadOptions};
-use kn_mesh::{Cleaned, Mesh, clean};
+use kn_mesh::{Cleaned, Mesh};
 use preview::Preview;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -22,9 +23,10 @@ use std::path::{Path, PathBuf};
 /// Find the body parts of scans: a .labels file for each, or a check of such files
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-A file NAME.labels holds one integer a line for each vertex of the scan, in the file's order: 0 head,
-1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso, 8 to 10 left thigh, leg
-and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is the person's left.
+A file NAME.labels holds one integer a line for each vertex of the scan, in the file's order: 0
+head, 1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso, 8 to 10 left thigh,
+leg and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is that of the
+person.
 
 Scans are looked at in their order: parts are followed from frame to frame, and what one frame does
 not show (which side is left, a hand on the hip) the others tell. Hands and lower arms that cannot
@@ -89,7 +91,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     for frame in inputs.frames() {
         let frame = frame?;
         let named = || format!("{}: frame {}", frame.path.display(), frame.index);
-        let cleaned = clean(&frame.mesh).map_err(|fault| anyhow!("{}: {fault}", named()))?;
+        let cleaned = scans::cleaned(&frame)?;
         let (labels, row) = match arguments.check {
             None => found(&mut segmenter, &frame, &cleaned).with_context(named)?,
             Some(_) => checked(&frame, &cleaned, options).with_context(named)?,

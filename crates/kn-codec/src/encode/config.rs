@@ -28,6 +28,23 @@ pub enum GridChoice {
     Lossless(Grid),
 }
 
+impl GridChoice {
+    /// The step in world units; `None` for bits of a box that the first frame will tell.
+    pub fn step(&self) -> Option<f64> {
+        match *self {
+            Self::Bits { bits, bounds } => bounds.map(|bounds| step_of_bits(bits, &bounds)),
+            Self::Step { step, .. } => Some(step),
+            Self::Lossless(grid) => Some(grid.step),
+        }
+    }
+}
+
+/// A box without extent has any step.
+pub(crate) fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
+    let side = bounds.longest_side();
+    if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
+}
+
 /// How far I-frames are decimated; P-frames then deform the coarser mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decimation {

@@ -231,6 +231,13 @@ impl GroupEncoder {
             FitError::Bind(BindError::RegionWithoutNodes { vertex, .. }) => {
                 input(without_nodes(intra.labels.get(vertex)))
             }
+            FitError::Bind(BindError::NoNodes) => EncodeError::Input {
+                frame: frame - 1,
+                reason: format!(
+                    "no face is left on the grid, whose step is {:.3e}: the mesh is too small for it",
+                    self.grid.step
+                ),
+            },
             other => input(other.to_string()),
         };
         let nodes = chooser.choose(scans, fail)?;

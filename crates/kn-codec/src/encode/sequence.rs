@@ -1,13 +1,15 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice};
+use crate::encode::config::{
+    Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice, step_of_bits,
+};
 use crate::error::EncodeError;
 use kn_bitstream::{
     FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
     WeightScheme as CodedScheme,
 };
 use kn_deform::{InfluenceMode, WeightScheme};
-use kn_mesh::{BoundingBox, Grid, Mesh};
+use kn_mesh::{Grid, Mesh};
 
 /// The header of a sequence that begins with `first`, which is sound and has a vertex.
 ///
@@ -135,10 +137,4 @@ fn sound(grid: Grid) -> Result<Grid, EncodeError> {
         return Ok(grid);
     }
     Err(EncodeError::Config(format!("the grid step {} is not positive", grid.step)))
-}
-
-/// A box without extent has any step.
-fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
-    let side = bounds.longest_side();
-    if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
 }

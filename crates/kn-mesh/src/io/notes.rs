@@ -52,7 +52,9 @@ impl fmt::Display for ReadNotes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         if self.polygons > 0 {
-            write!(f, "{} polygons cut into {} triangles", self.polygons, self.polygon_triangles)?;
+            let plural = if self.polygons == 1 { "" } else { "s" };
+            let (count, triangles) = (self.polygons, self.polygon_triangles);
+            write!(f, "{count} polygon{plural} cut into {triangles} triangles")?;
             separator = "; ";
         }
         if !self.ignored.is_empty() {
@@ -79,7 +81,7 @@ mod tests {
         notes.polygon(5);
         notes.ignore("normals", 8);
         notes.ignore("lines", 0);
-        assert_eq!(notes.to_string(), "1 polygons cut into 3 triangles; not carried: normals (8)");
+        assert_eq!(notes.to_string(), "1 polygon cut into 3 triangles; not carried: normals (8)");
         let more = notes.clone();
         notes += &more;
         assert_eq!((notes.polygons, notes.ignored["normals"]), (2, 16));

@@ -4,7 +4,7 @@ use super::label_checks::LabelChecks;
 use crate::arguments::Global;
 use crate::parts;
 use crate::stream;
-use crate::table::grouped;
+use crate::table::{counted, grouped};
 use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
 use kn_fit::segment::{LabelWarning, Segmentation};
 use kn_mesh::CleanReport;
@@ -131,11 +131,11 @@ impl Report {
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
         global.note(format_args!(
-            "{name}: {} bytes, {} I-frames of {} bytes on average, {predicted} P-frames of {}{}; \
-             {seconds:.1} s",
+            "{name}: {} bytes, {} of {} bytes on average, {} of {}{}; {seconds:.1} s",
             grouped(summary.bytes),
-            summary.intra_frames,
+            counted(summary.intra_frames, "I-frame"),
             mean(summary.intra_bytes, summary.intra_frames),
+            counted(predicted, "P-frame"),
             mean(summary.predicted_bytes, predicted),
             self.node_numbers(),
         ));
@@ -224,6 +224,7 @@ fn cleaned_json(report: &CleanReport) -> Value {
         "label_conflicts": report.label_conflicts,
         "degenerate": report.degenerate,
         "duplicate": report.duplicate,
+        "unused": report.unused,
         "boundary_edges": report.boundary_edges,
         "non_manifold_edges": report.non_manifold_edges,
         "components": report.components,

@@ -2,10 +2,11 @@
 
 use crate::arguments::Global;
 use crate::progress;
-use anyhow::Result;
+use crate::scans;
+use anyhow::{Result, anyhow, bail};
 use kn_codec::EncodeError;
 use kn_mesh::io::Inputs;
-use kn_mesh::{BoundingBox, ExactGrid};
+use kn_mesh::{BoundingBox, ExactGrid, Grid};
 use std::path::PathBuf;
 
 /// What is known about a sequence before it is encoded.
@@ -14,12 +15,14 @@ pub(crate) struct Survey {
     pub(crate) files: Vec<PathBuf>,
     /// The name of each frame, without extension.
     pub(crate) names: Vec<String>,
-    /// The box of all frames.
+    /// The box of all surfaces: vertices that no face uses do not count.
     pub(crate) bounds: Option<BoundingBox>,
+    /// The longest side of each frame's box.
+    sides: Vec<f64>,
     /// Whether every frame has labels.
     pub(crate) labelled: bool,
     /// The grid that all coordinates lie on already, if there is one.
-    pub(crate) exact: ExactGrid,
+    exact: ExactGrid,
 }
 
 impl Survey {
@@ -30,16 +33,19 @@ impl Survey {
             files: Vec::new(),
             names: Vec::new(),
             bounds: None,
+            sides: Vec::new(),
             labelled: true,
             exact: ExactGrid::default(),
         };
         for frame in inputs.frames() {
             let frame = frame?;
-            let bounds = frame.mesh.bounding_box();
-            survey.bounds = match (survey.bounds, bounds) {
-                (Some(all), Some(one)) => Some(all.union(one)),
-                (all, one) => all.or(one),
+            let Some(own) = frame.mesh.surface_box() else {
+                // Cleaning says what is wrong.
+                scans::cleaned(&frame)?;
+                bail!("{}: frame {}: the mesh has no faces", frame.path.display(), frame.index);
             };
+            survey.bounds = Some(survey.bounds.map_or(own, |all| all.union(own)));
+            survey.sides.push(own.longest_side());
             survey.exact.include(&frame.mesh.positions);
             survey.labelled &= !frame.mesh.labels.is_empty();
             survey.files.push(frame.path);
@@ -47,6 +53,47 @@ impl Survey {
             bar.step();
         }
         Ok(survey)
+    }
+
+    /// Whether every frame is larger than a step of the grid: on a coarser one nothing is left of it.
+    ///
+    /// # Errors
+    /// A frame is not.
+    pub(crate) fn check_step(&self, step: f64) -> Result<()> {
+        let named = |frame: usize| format!("{}: frame {frame}", self.files[frame].display());
+        let Some(small) = self.sides.iter().position(|&side| side < step) else { return Ok(()) };
+        let (side, longest) = (self.sides[small], self.steps(1.0));
+        let largest =
+            (0..self.sides.len()).max_by(|&a, &b| self.sides[a].total_cmp(&self.sides[b]));
+        let because = match largest.filter(|&frame| self.sides[frame] >= step) {
+            Some(large) => format!(
+                "; the box of all frames is {longest:.3e} long, and that of {} {:.3e}",
+                named(large),
+                self.sides[large]
+            ),
+            None => String::new(),
+        };
+        bail!(
+            "{}: the mesh is {side:.3e} long, which is less than a step of the grid, {step:.3e}{because}",
+            named(small)
+        );
+    }
+
+    /// How many steps the longest side of the box of all frames has.
+    pub(crate) fn steps(&self, step: f64) -> f64 {
+        self.bounds.map_or(0.0, |bounds| bounds.longest_side() / step)
+    }
+
+    /// The grid that gives all coordinates back.
+    ///
+    /// # Errors
+    /// There is none; the error names the file and frame where that shows.
+    pub(crate) fn lossless_grid(&self) -> Result<Grid> {
+        self.exact.grid().map_err(|error| {
+            let file = error.frame().and_then(|frame| Some((frame, self.files.get(frame)?)));
+            let place = file.map(|(frame, file)| format!("{}: frame {frame}: ", file.display()));
+            anyhow!("{}--lossless: {error}", place.unwrap_or_default())
+        })
     }
 
     /// Adds the file's name to an encoder's error about a frame.

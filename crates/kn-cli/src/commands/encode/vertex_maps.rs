@@ -7,7 +7,8 @@ use kn_codec::GONE;
 use std::collections::VecDeque;
 use std::path::Path;
 
-/// Files of one line a vertex: the index of the decoded vertex, or `-` where decimation took it.
+/// Files of one line a vertex: the index of the decoded vertex, or `-` where decimation took it or no
+/// face used it.
 pub(super) struct VertexMaps {
     folder: OutputFolder,
     outputs: Outputs,

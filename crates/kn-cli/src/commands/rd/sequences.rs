@@ -8,10 +8,11 @@ use crate::choices::FrameRate;
 use crate::commands::encode::names::name_pattern;
 use crate::distortion::Scale;
 use crate::progress;
+use crate::scans;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_codec::{EncodeError, NamePattern};
 use kn_mesh::io::{Inputs, LabelSource, ReadOptions};
-use kn_mesh::{BoundingBox, Mesh, clean};
+use kn_mesh::{BoundingBox, Mesh};
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -26,10 +27,8 @@ pub(super) struct Sequence {
     frames: Range<usize>,
     files: Vec<PathBuf>,
     labels: Option<PathBuf>,
-    /// The box of the meshes as they are in the files, which the grid follows.
+    /// The box of the cleaned meshes, which the grid and distances refer to.
     pub(super) bounds: BoundingBox,
-    /// The box of the cleaned meshes, which distances refer to.
-    clean_bounds: BoundingBox,
     pub(super) names: Option<NamePattern>,
     pub(super) rate: FrameRate,
     pub(super) up_axis: u8,
@@ -77,10 +76,10 @@ impl Sequence {
         };
         let frames = frames_in(&entry.frame_range()?, inputs.len())?;
         let look = Look::at(&inputs, frames.clone(), global)?;
-        let clean_bounds = look.clean_bounds.context("no frame has a vertex")?;
-        ensure!(clean_bounds.diagonal() > 0.0, "all vertices are at one point");
+        let bounds = look.bounds.context("no frame has a vertex")?;
+        ensure!(bounds.diagonal() > 0.0, "all vertices are at one point");
         let rate = entry.frame_rate()?;
-        let scale = Scale::from(clean_bounds);
+        let scale = Scale::from(bounds);
         let info = SequenceInfo {
             name: entry.name.clone(),
             input: source.display().to_string(),
@@ -98,8 +97,7 @@ impl Sequence {
             names: name_pattern(&look.names),
             files: look.files,
             labels,
-            bounds: look.bounds.unwrap_or(clean_bounds),
-            clean_bounds,
+            bounds,
             rate,
             up_axis: entry.up_axis(),
         })
@@ -107,12 +105,12 @@ impl Sequence {
 
     /// The scale of relative distances and decibels.
     pub(super) fn scale(&self) -> Scale {
-        Scale::from(self.clean_bounds)
+        Scale::from(self.bounds)
     }
 
     /// The box that every frame fits.
     pub(super) fn box_of_all(&self) -> &BoundingBox {
-        &self.clean_bounds
+        &self.bounds
     }
 
     /// Number of frames used.
@@ -130,8 +128,7 @@ impl Sequence {
             CodecLabels::Auto | CodecLabels::None => &self.bare,
         };
         let frame = inputs.read(self.frames.start + index)?;
-        let named = || format!("{}: frame {}", frame.path.display(), frame.index);
-        Ok(clean(&frame.mesh).map_err(|fault| anyhow!("{}: {fault}", named()))?.mesh)
+        Ok(scans::surface(&frame)?.mesh)
     }
 
     /// Adds the file's name to an encoder's error about a frame.
@@ -185,7 +182,6 @@ fn frames_in(range: &FrameRange, count: usize) -> Result<Range<usize>> {
 /// What one look at all frames tells.
 struct Look {
     bounds: Option<BoundingBox>,
-    clean_bounds: Option<BoundingBox>,
     labelled: bool,
     vertices: usize,
     faces: usize,
@@ -199,7 +195,6 @@ impl Look {
         let bar = progress::bar(global, "reading", Some(frames.len() as u64));
         let mut look = Self {
             bounds: None,
-            clean_bounds: None,
             labelled: true,
             vertices: 0,
             faces: 0,
@@ -209,11 +204,7 @@ impl Look {
         };
         for index in frames {
             let frame = inputs.read(index)?;
-            let place = frame.path.display();
-            let cleaned =
-                clean(&frame.mesh).map_err(|fault| anyhow!("{place}: frame {index}: {fault}"))?;
-            look.bounds = union(look.bounds, frame.mesh.bounding_box());
-            look.take(&cleaned.mesh);
+            look.take(&scans::surface(&frame)?.mesh);
             look.names.push(frame.name);
             look.files.push(frame.path);
             bar.step();
@@ -235,7 +226,8 @@ impl Look {
     }
 
     fn take(&mut self, mesh: &Mesh) {
-        self.clean_bounds = union(self.clean_bounds, mesh.bounding_box());
+        let own = mesh.bounding_box();
+        self.bounds = self.bounds.zip(own).map(|(all, own)| all.union(own)).or(self.bounds).or(own);
         self.labelled &= !mesh.labels.is_empty();
         self.vertices += mesh.positions.len();
         self.faces += mesh.faces.len();
@@ -248,13 +240,6 @@ impl Look {
         let faces = mesh.faces.as_flattened().iter().flat_map(|v| v.to_le_bytes());
         self.digest.update(faces.collect::<Vec<u8>>());
         self.digest.update(&mesh.labels);
-    }
-}
-
-fn union(all: Option<BoundingBox>, one: Option<BoundingBox>) -> Option<BoundingBox> {
-    match (all, one) {
-        (Some(all), Some(one)) => Some(all.union(one)),
-        (all, one) => all.or(one),
     }
 }
 
