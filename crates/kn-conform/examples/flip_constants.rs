@@ -14,7 +14,7 @@ use kn_conform::tables::{Table, cauchy_source, levels_source};
 
 /// Numbers that no result depends on, by what stands in their line and which of it, all where that is
 /// empty.
-const NOT_NORMATIVE: [(&str, &str); 16] = [
+const NOT_NORMATIVE: [(&str, &str); 15] = [
     // Sizes of work units, of buffers, and what these are filled with before they are overwritten.
     ("const CHUNK", ""),
     ("const LANES", ""),
@@ -22,7 +22,6 @@ const NOT_NORMATIVE: [(&str, &str); 16] = [
     ("[f64; MAX_Q + 1]", "1"),
     ("[u16; MAX_Q + 1]", "1"),
     ("let mut squared = [0.0; MAX_Q]", "0.0"),
-    ("let mut ends = vec![0_u32; vertex_count + 1]", "1"),
     ("let mut sum = [0.0; 3]", "3"),
     // The lane beside x, y and z, which is always zero.
     ("blended[..3]", "3"),

@@ -146,6 +146,19 @@ fn smoothing() {
 }
 
 #[test]
+fn nodes_are_as_many_as_16_bits_tell_apart() {
+    let mut influence = Influence::default();
+    let options = options(1, WeightScheme::Sumner);
+    for (count, sound) in [(1, true), (1 << 16, true), ((1 << 16) + 1, false)] {
+        let nodes: Vec<[i32; 3]> = (0..count).map(|x| [x, 0, 0]).collect();
+        let last = nodes[nodes.len() - 1];
+        let result = bind(&[last], &[0], &nodes, &vec![0; nodes.len()], &options, &mut influence);
+        assert_eq!(result.is_ok(), sound, "{count}");
+        assert!(!sound || usize::from(influence.nodes[0]) == nodes.len() - 1);
+    }
+}
+
+#[test]
 fn q_is_one_to_eight() {
     let mut influence = Influence::default();
     for q in [0, 9] {
