@@ -2,8 +2,9 @@
 //! and a report of every change.
 //!
 //! Boundaries, non-manifold edges, loose components and isolated vertices are kept: they are the
-//! content, and the coder handles them. Vertices that no face uses can be dropped after that. Faces of zero area are kept too as long as their three
-//! vertices differ, since where they lie they hold the surface together.
+//! content, and the coder handles them. Faces of zero area are kept too as long as their three
+//! vertices differ, since where they lie they hold the surface together. Vertices that no face uses
+//! can be dropped after that.
 
 use crate::adjacency::{Components, EdgeTable, Rows};
 use crate::{Mesh, MeshFault};

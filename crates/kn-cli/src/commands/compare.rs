@@ -22,8 +22,8 @@ use std::path::PathBuf;
 Each side is a mesh (OBJ, PLY, OFF, glTF), a folder, a pattern in quotes, or a .knm file. Relative
 distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
-encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of different length are an error, unless --frames names
-only frames that both have.
+encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of
+different length are an error, unless --frames names only frames that both have.
 
 Exit codes: 0 measured, 2 an error.
 

@@ -19,8 +19,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Files are called like the encoder's input where the stream knows those names, else frame_0000 and
-so on. Each frame is checked against the digest that it carries. The files appear together at the end: after an error none is there. Files that are in the
-folder already are kept and named in an error, unless --overwrite is given.
+so on. Each frame is checked against the digest that it carries. The files appear together at the
+end: after an error none is there. Files that are in the folder already are kept and named in an
+error, unless --overwrite is given.
 
 Examples:
   kn decode dance.knm -o out/

@@ -1,5 +1,5 @@
-//! Streams whose I-frame is broken. What they are made of is sound but for the rule that they break, so that a decoder which
-//! does not check it decodes them.
+//! Streams whose I-frame is broken. What they are made of is sound but for the rule that they break,
+//! so that a decoder which does not check it decodes them.
 
 use std::error::Error;
 
