@@ -4,8 +4,8 @@
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use kn_codec::{Encoder, EncoderConfig, Limits, Progress, StreamDecoder};
 use kn_deform::{BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme};
-use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, Mesh};
+use kn_performer::{Performer, PerformerConfig};
 use std::hint::black_box;
 
 const VERTICES: usize = 20_000;

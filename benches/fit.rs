@@ -7,7 +7,7 @@ use kn_fit::{
     FitError, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount, NodeSource,
     RankBy, generate_nodes, place_farthest,
 };
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::hint::black_box;
 
 fn fit(criterion: &mut Criterion) {

@@ -7,8 +7,8 @@ mod draco;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
-use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, GridMesh, Mesh};
+use kn_performer::{Performer, PerformerConfig};
 use std::path::{Path, PathBuf};
 
 const BITS: [u32; 3] = [10, 11, 12];

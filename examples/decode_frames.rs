@@ -5,7 +5,7 @@
 use anyhow::Result;
 use kn_codec::{Decoder, Encoder, EncoderConfig, FrameInfo};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek};
 

@@ -6,7 +6,7 @@
 use anyhow::{Result, bail};
 use kn_codec::{Encoder, EncoderConfig, FrameInfo, Limits, Progress, StreamDecoder};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread;

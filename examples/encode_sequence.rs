@@ -5,9 +5,9 @@
 
 use anyhow::Result;
 use kn_codec::{Encoder, EncoderConfig, FrameReport, GridChoice};
-use kn_mesh::io::{Inputs, ReadOptions};
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
+use kn_performer::{Performer, PerformerConfig};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;

@@ -12,7 +12,7 @@ mod common;
 use anyhow::{Context, Result};
 use common::{Surface, code, without_choices};
 use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
-use kn_mesh::io::{Inputs, LabelSource, ReadOptions};
+use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
 use std::path::PathBuf;
 

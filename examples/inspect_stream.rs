@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use kn_bitstream::Element;
 use kn_codec::{Encoder, EncoderConfig, Limits, Progress, StreamDecoder};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::collections::BTreeMap;
 
 fn main() -> Result<()> {

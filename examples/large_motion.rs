@@ -9,7 +9,7 @@
 use anyhow::Result;
 use kn_fit::{RegisterOptions, Registration, register};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_performer::{Action, Performer, PerformerConfig};
 
 const VERTICES: usize = 10_000;
 /// Of a lost part, metres: 5 % of a figure of 1.7 m.

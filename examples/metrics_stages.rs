@@ -10,9 +10,9 @@ use clock::cpu_seconds;
 use std::error::Error;
 use std::time::Instant;
 
-use kn_mesh::io::{ReadOptions, read_mesh};
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_io::{ReadOptions, read_mesh};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2};
+use kn_performer::{Performer, PerformerConfig};
 
 const RUNS: usize = 10;
 

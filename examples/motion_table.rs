@@ -13,10 +13,10 @@ use anyhow::{Context, Result, ensure};
 use common::{Surface, code, without_choices};
 use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
 use kn_deform::WeightScheme;
-use kn_fit::segment::{SegmentOptions, Segmenter, TORSO};
-use kn_mesh::io::{Inputs, ReadOptions};
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
+use kn_performer::{Performer, PerformerConfig};
+use kn_segment::{SegmentOptions, Segmenter, TORSO};
 use std::path::{Path, PathBuf};
 
 /// Area-uniform samples on each surface.

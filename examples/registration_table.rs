@@ -9,8 +9,8 @@
 //! vertices four times. Seconds are the least of all runs, in hundredths; other work on the machine adds to them.
 
 use anyhow::{Context, Result, ensure};
-use kn_mesh::io::{ReadOptions, read_mesh, write_mesh};
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_io::{ReadOptions, read_mesh, write_mesh};
+use kn_performer::{Performer, PerformerConfig};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;

@@ -6,10 +6,10 @@
 //! `../shared/data/tshirt_turn` where it exists. Frames below 85 % are named.
 
 use anyhow::Result;
-use kn_fit::segment::{SegmentOptions, Segmenter};
+use kn_io::{LabelSource, ReadOptions, read_mesh};
 use kn_mesh::Mesh;
-use kn_mesh::io::{LabelSource, ReadOptions, read_mesh};
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_performer::{Action, Performer, PerformerConfig};
+use kn_segment::{SegmentOptions, Segmenter};
 use std::collections::HashMap;
 use std::path::Path;
 use std::time::Instant;

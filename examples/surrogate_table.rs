@@ -9,7 +9,7 @@
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Decoder, FrameKind};
 use kn_fit::{Deviation, FitTarget};
-use kn_mesh::io::{Inputs, ReadOptions};
+use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{Mesh, clean};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
 use std::fs::File;

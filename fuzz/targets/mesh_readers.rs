@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use kn_mesh::io::{Inputs, LabelSource, ReadOptions, read_mesh};
+use kn_io::{Inputs, LabelSource, ReadOptions, read_mesh};
 use libfuzzer_sys::{Corpus, fuzz_target};
 use tempfile::TempDir;
 

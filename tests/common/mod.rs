@@ -5,7 +5,7 @@
 
 use kn_codec::{Decoder, Encoder, EncoderConfig};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::io::Cursor;
 
 /// `count` frames of about `vertices` vertices, with noise, holes and labels.

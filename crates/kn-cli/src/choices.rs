@@ -7,7 +7,7 @@ use kn_codec::{
     NodePlacement, PartStart, Preset, SmoothingChoice, StepChoice, TranslationChoice, UnitOfLength,
 };
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
-use kn_mesh::io::LabelSource;
+use kn_io::LabelSource;
 use std::convert::Infallible;
 use std::fmt;
 use std::num::NonZeroU16;

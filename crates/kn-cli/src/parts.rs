@@ -1,7 +1,7 @@
 //! Body parts in words: what the segmentation doubts, what is odd about given labels.
 
-use kn_fit::segment::{LabelWarning, SegmentWarning};
 use kn_mesh::parts::PART_NAMES;
+use kn_segment::{LabelWarning, SegmentWarning};
 use serde_json::{Map, Value};
 
 /// A part's name; labels beyond the parts have none.

@@ -1,7 +1,7 @@
 //! Scans as they are coded: cleaned, each fault with its file and frame.
 
 use anyhow::{Result, anyhow, ensure};
-use kn_mesh::io::InputFrame;
+use kn_io::InputFrame;
 use kn_mesh::{Cleaned, clean};
 
 /// Welded and freed of degenerate and duplicate faces; every vertex of the file has its place.

@@ -4,7 +4,7 @@ use crate::scans;
 use crate::stream::{self, Source};
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Decoder, FrameKind};
-use kn_mesh::io::{Frames, InputFrame, Inputs, LabelSource, ReadOptions};
+use kn_io::{Frames, InputFrame, Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh};
 use std::path::{Path, PathBuf};
 

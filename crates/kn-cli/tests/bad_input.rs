@@ -12,10 +12,10 @@ use std::process::Stdio;
 fn rejects(content: &[u8], extension: &str, parts: &[&str]) {
     let scans = Scans::new();
     for index in 0..common::FRAMES {
-        let mesh = kn_mesh::io::read_mesh(&scans.file(index), &Default::default()).expect("sound");
+        let mesh = kn_io::read_mesh(&scans.file(index), &Default::default()).expect("sound");
         fs::remove_file(scans.file(index)).expect("removed");
         let path = scans.file(index).with_extension(extension);
-        kn_mesh::io::write_mesh(&path, &mesh.mesh).expect("written");
+        kn_io::write_mesh(&path, &mesh.mesh).expect("written");
     }
     fs::write(scans.file(2).with_extension(extension), content).expect("written");
     let message = fails(scans.encode(&format!("scan/*.{extension}"), &[]));
@@ -73,8 +73,8 @@ fn truncated_files() {
     rejects(ply, "ply", &["ends early"]);
     let scans = Scans::new();
     let whole = scans.path("scan/whole.glb");
-    let mesh = kn_mesh::io::read_mesh(&scans.file(0), &Default::default()).expect("sound").mesh;
-    kn_mesh::io::write_mesh(&whole, &mesh).expect("written");
+    let mesh = kn_io::read_mesh(&scans.file(0), &Default::default()).expect("sound").mesh;
+    kn_io::write_mesh(&whole, &mesh).expect("written");
     let bytes = fs::read(&whole).expect("written");
     rejects(&bytes[..bytes.len() / 2], "glb", &[]);
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{FRAMES, Scans, command, fails, kn, names_in, stderr, succeeds};
-use kn_mesh::io::read_mesh;
+use kn_io::read_mesh;
 use serde_json::Value;
 use std::fs;
 use std::io::{Read, Write};

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{FRAMES, Scans, fails, kn, names_in, succeeds};
+use kn_io::{read_mesh, write_mesh};
 use kn_mesh::Mesh;
-use kn_mesh::io::{read_mesh, write_mesh};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{Scans, fails, kn, names_in, stderr, succeeds};
+use kn_io::{ReadOptions, read_mesh, write_mesh};
 use kn_mesh::Mesh;
-use kn_mesh::io::{ReadOptions, read_mesh, write_mesh};
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -78,9 +78,9 @@ fn no_person_is_no_error() {
     // A performer whose height was squeezed to a slab: nobody.
     for index in 0..FRAMES {
         let mut mesh =
-            kn_mesh::io::read_mesh(&scans.file(index), &Default::default()).expect("sound").mesh;
+            kn_io::read_mesh(&scans.file(index), &Default::default()).expect("sound").mesh;
         mesh.positions.iter_mut().for_each(|p| p[1] *= 0.05);
-        kn_mesh::io::write_mesh(&scans.file(index), &mesh).expect("written");
+        kn_io::write_mesh(&scans.file(index), &mesh).expect("written");
     }
     let output = kn(scan_arguments(&scans, &["-o", &scans.text("labels"), "--json"]));
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));

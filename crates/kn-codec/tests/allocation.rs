@@ -5,8 +5,8 @@ mod common;
 
 use common::announcing;
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
-use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, GridMesh};
+use kn_performer::{Performer, PerformerConfig};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]

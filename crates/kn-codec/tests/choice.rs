@@ -6,7 +6,7 @@ use kn_codec::{
 };
 use kn_deform::{Combination, InfluenceMode};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 
 /// J of one way may exceed that of a way which looks at more by this factor: choices are made frame
 /// by frame, and each changes what the next frame begins with.

@@ -2,7 +2,7 @@
 
 use kn_codec::{Decoder, Encoder, EncoderConfig, FrameKind, FrameReport};
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig, part};
+use kn_performer::{Action, Performer, PerformerConfig, part};
 use std::io::Cursor;
 
 /// The frame from which on something is different.

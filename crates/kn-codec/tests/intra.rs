@@ -5,8 +5,8 @@ mod common;
 use common::announcing;
 use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraError, IntraLimits};
 use kn_codec::intra::{decode_intra, encode_intra};
-use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{Grid, GridMesh};
+use kn_performer::{Performer, PerformerConfig};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 

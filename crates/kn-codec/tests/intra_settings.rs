@@ -2,8 +2,8 @@
 
 use kn_codec::{Decimation, Decoder, EncodeError, Encoder, EncoderConfig, FrameReport};
 use kn_codec::{GONE, GridChoice};
-use kn_mesh::performer::{Performer, PerformerConfig};
 use kn_mesh::{ExactGrid, Mesh};
+use kn_performer::{Performer, PerformerConfig};
 
 fn frames(count: u32, scale: f32) -> Vec<Mesh> {
     let config = PerformerConfig { vertices: 2000, ..PerformerConfig::default() };

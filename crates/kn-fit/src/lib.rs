@@ -30,7 +30,6 @@ mod register;
 mod report;
 mod sample;
 mod schedule;
-pub mod segment;
 mod source;
 mod surface;
 mod target;

@@ -5,7 +5,7 @@ use kn_fit::{
     FitError, FitFailure, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount,
     NodeSource, RankBy, RegisterOptions, generate_nodes, place_farthest, register,
 };
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_performer::{Action, Performer, PerformerConfig};
 use proptest::prelude::*;
 
 type Points = Vec<[f64; 3]>;
@@ -256,7 +256,7 @@ fn dirty_scans_are_followed() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/punch_dirty");
     let read = |frame: u32| {
         let path = std::path::PathBuf::from(format!("{folder}/frame_{frame:04}.obj"));
-        kn_mesh::io::read_mesh(&path, &kn_mesh::io::ReadOptions::default()).expect("an OBJ").mesh
+        kn_io::read_mesh(&path, &kn_io::ReadOptions::default()).expect("an OBJ").mesh
     };
     if !std::path::Path::new(folder).exists() {
         eprintln!("skipped: ../shared is absent");

@@ -3,8 +3,8 @@
 //! `KN_RANDOM_PAIRS=1000 cargo test --release -p kn-fit --test random_pairs` tries so many.
 
 use kn_fit::{FitOptions, RegisterOptions, register};
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
 use kn_mesh::{Mesh, clean};
+use kn_performer::{Action, Performer, PerformerConfig};
 
 /// Pairs that are tried by default.
 const PAIRS: u64 = 16;

@@ -10,7 +10,7 @@ use crate::sequence::{Frame, Reader, Sequence};
 use crate::table::counted;
 use crate::{Outcome, heatmap, progress, stream};
 use anyhow::{Context, Result, bail};
-use kn_mesh::io::{check_scalar_format, write_mesh_with_scalar};
+use kn_io::{check_scalar_format, write_mesh_with_scalar};
 use kn_mesh::parts::PART_NAMES;
 use kn_mesh::{BoundingBox, Mesh};
 use output::{Comparison, FrameRow};

@@ -19,9 +19,9 @@ use kn_codec::{
     AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
     NodeChoice, Preset, StepChoice, Summary,
 };
-use kn_fit::segment::check_labels;
-use kn_mesh::io::{InputFrame, Inputs, ReadOptions};
+use kn_io::{InputFrame, Inputs, ReadOptions};
 use kn_mesh::{Cleaned, Mesh};
+use kn_segment::check_labels;
 use names::name_pattern;
 use report::Report;
 use serde_json::{Value, json};

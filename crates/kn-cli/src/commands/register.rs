@@ -7,7 +7,7 @@ use crate::outputs::Outputs;
 use crate::table::table;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_fit::{FitError, RegisterOptions, Registration, Side, register};
-use kn_mesh::io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
+use kn_io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
 use kn_mesh::{Cleaned, Mesh, clean};
 use kn_metrics::{Distances, TriangleTree, distances_to_surface};
 use serde::Serialize;

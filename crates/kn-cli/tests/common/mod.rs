@@ -2,9 +2,9 @@
 
 #![allow(dead_code, reason = "every test binary uses a part of this")]
 
+use kn_io::write_mesh;
 use kn_mesh::Mesh;
-use kn_mesh::io::write_mesh;
-use kn_mesh::performer::{Performer, PerformerConfig};
+use kn_performer::{Performer, PerformerConfig};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -62,7 +62,7 @@ pub enum LabelChoice {
     /// The frames' own labels; a sequence without them is coded without.
     Given,
     /// The frames' own; where they have none, those of the segmentation
-    /// ([`kn_fit::segment::Segmenter`]). Frames in which it does not find a person are coded as if
+    /// ([`kn_segment::Segmenter`]). Frames in which it does not find a person are coded as if
     /// they had no labels.
     Auto,
 }

@@ -126,7 +126,7 @@ impl Collapsed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kn_mesh::performer::{Performer, PerformerConfig};
+    use kn_performer::{Performer, PerformerConfig};
 
     fn figure() -> Mesh {
         let config = PerformerConfig { vertices: 4000, ..PerformerConfig::default() };

@@ -9,8 +9,8 @@ use crate::encode::sequence::sequence_header;
 use crate::error::EncodeError;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{BitWriter, Index, IndexGroup};
-use kn_fit::segment::Segmentation;
 use kn_mesh::Mesh;
+use kn_segment::Segmentation;
 use std::io::Write;
 
 /// Encodes a sequence frame by frame; holds at most one group of frames.

@@ -1,8 +1,8 @@
 //! Body-part labels of frames that have none of their own.
 
 use crate::encode::config::{EncoderConfig, LabelChoice};
-use kn_fit::segment::{SegmentOptions, Segmentation, Segmenter};
 use kn_mesh::Mesh;
+use kn_segment::{SegmentOptions, Segmentation, Segmenter};
 
 /// Labels the frames of a sequence in their order.
 pub(crate) struct Labeller {

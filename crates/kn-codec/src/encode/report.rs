@@ -4,7 +4,7 @@ use crate::decode::FrameKind;
 use crate::encode::quantise::unit_step;
 use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
 use kn_deform::Combination;
-use kn_fit::segment::Segmentation;
+use kn_segment::Segmentation;
 
 /// What became of one frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use crate::output::{OutputFolder, folder_of};
 use crate::outputs::Outputs;
 use anyhow::{Context, Result, ensure};
+use kn_io::{GlbWriter, MeshError, write_mesh};
 use kn_mesh::Mesh;
-use kn_mesh::io::{GlbWriter, MeshError, write_mesh};
 use std::collections::HashSet;
 use std::path::Path;
 

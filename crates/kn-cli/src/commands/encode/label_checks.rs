@@ -2,7 +2,7 @@
 
 use crate::arguments::Global;
 use crate::parts;
-use kn_fit::segment::LabelWarning;
+use kn_segment::LabelWarning;
 use std::path::{Path, PathBuf};
 
 /// Everything odd so far.

@@ -5,7 +5,7 @@ use crate::progress;
 use crate::scans;
 use anyhow::{Result, anyhow, bail};
 use kn_codec::EncodeError;
-use kn_mesh::io::Inputs;
+use kn_io::Inputs;
 use kn_mesh::{BoundingBox, ExactGrid, Grid};
 use std::path::PathBuf;
 

@@ -7,8 +7,8 @@ use crate::nearest::nearest;
 use crate::output::OutputFolder;
 use crate::progress;
 use anyhow::{Result, bail, ensure};
-use kn_mesh::io::write_mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_io::write_mesh;
+use kn_performer::{Action, Performer, PerformerConfig};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 

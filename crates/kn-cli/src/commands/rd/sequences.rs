@@ -11,7 +11,7 @@ use crate::progress;
 use crate::scans;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_codec::{EncodeError, NamePattern};
-use kn_mesh::io::{Inputs, LabelSource, ReadOptions};
+use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh};
 use sha2::{Digest, Sha256};
 use std::ops::Range;

@@ -5,7 +5,7 @@ use super::read::read_file;
 use super::sequence::{Kind, find_files, listed_files};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, MeshFormat};
 use super::{ReadNotes, ReadOptions, read_mesh};
-use crate::Mesh;
+use kn_mesh::Mesh;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

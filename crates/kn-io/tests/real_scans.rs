@@ -1,9 +1,7 @@
 //! Every mesh of the measured sequences reads, with the counts that its lines say.
 
-#![cfg(feature = "io")]
-
+use kn_io::{Inputs, LabelSource, ReadOptions, read_mesh};
 use kn_mesh::CleanReport;
-use kn_mesh::io::{Inputs, LabelSource, ReadOptions, read_mesh};
 use std::path::{Path, PathBuf};
 
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");

@@ -1,8 +1,6 @@
 //! Sequences of files: read in order, ahead of the caller, as often as wanted, until an error.
 
-#![cfg(feature = "io")]
-
-use kn_mesh::io::{Inputs, LabelSource, MeshErrorKind, ReadOptions};
+use kn_io::{Inputs, LabelSource, MeshErrorKind, ReadOptions};
 use std::path::PathBuf;
 use tempfile::TempDir;
 

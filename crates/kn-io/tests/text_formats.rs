@@ -1,13 +1,11 @@
 //! OBJ, PLY and OFF: what is written reads back the same, what is broken is named, and no cut or
 //! changed byte makes the readers panic.
 
-#![cfg(feature = "io")]
-
-use kn_mesh::Mesh;
-use kn_mesh::io::{
+use kn_io::{
     LabelSource, MAX_FILE_BYTES, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh,
     write_mesh, write_mesh_with_scalar,
 };
+use kn_mesh::Mesh;
 use proptest::prelude::*;
 use std::path::PathBuf;
 use tempfile::TempDir;

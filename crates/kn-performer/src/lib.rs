@@ -28,10 +28,10 @@ mod simplify;
 mod skeleton;
 mod truth;
 
-use crate::Mesh;
 use cloth::Skirt;
 use field::Scene;
 use figure::Figure;
+use kn_mesh::Mesh;
 use lattice::Lattice;
 use motion::Motion;
 use random::Random;

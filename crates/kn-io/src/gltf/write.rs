@@ -6,7 +6,7 @@
 
 use super::super::atomic::temporary_beside;
 use super::super::{MeshError, MeshErrorKind, write_atomically};
-use crate::Mesh;
+use kn_mesh::Mesh;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};

@@ -1,12 +1,8 @@
 //! glTF: what is written reads back, in our reader and in the gltf crate's; scenes, skins, morph
 //! targets and animations pose as the specification says; broken files are errors.
 
-#![cfg(feature = "io")]
-
+use kn_io::{GlbWriter, Inputs, LabelSource, MeshError, ReadOptions, Scan, read_mesh, write_mesh};
 use kn_mesh::Mesh;
-use kn_mesh::io::{
-    GlbWriter, Inputs, LabelSource, MeshError, ReadOptions, Scan, read_mesh, write_mesh,
-};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -1,7 +1,7 @@
 //! Times our readers against tobj and ply-rs-bw on one OBJ file and its PLY copy, then our writers
-//! and the cleaning: `cargo run --release -p kn-mesh --example io_speed -- FILE.obj`.
+//! and the cleaning: `cargo run --release -p kn-io --example io_speed -- FILE.obj`.
 
-use kn_mesh::io::{ReadOptions, read_mesh, write_mesh};
+use kn_io::{ReadOptions, read_mesh, write_mesh};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{BeginList, DefaultElement, PropertyAccess, PropertyAccessResult};
 use std::path::Path;

@@ -6,7 +6,7 @@
 use super::ply_values::Values;
 use super::read::Parsed;
 use super::{Fault, MeshErrorKind, Place};
-use crate::Mesh;
+use kn_mesh::Mesh;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Header, PropertyDef, PropertyType, ScalarType};
 use std::io::{self, Write};

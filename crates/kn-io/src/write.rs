@@ -1,7 +1,7 @@
 //! Writing one mesh into one file, whole or not at all.
 
 use super::{GlbWriter, MeshError, MeshErrorKind, MeshFormat, obj, ply, write_atomically};
-use crate::Mesh;
+use kn_mesh::Mesh;
 use std::path::Path;
 
 /// Writes a mesh in the format that the extension names: OBJ, PLY (binary little-endian, with

@@ -3,7 +3,7 @@
 //! `performer_frames FOLDER ACTION FRAMES [SEED [VERTICES]]`
 
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_performer::{Action, Performer, PerformerConfig};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, gltf, labels};
 use super::{obj, off, ply};
-use crate::{Mesh, MeshFault};
+use kn_mesh::{Mesh, MeshFault};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub enum LabelSource {
     #[default]
     Property,
     /// From vertex colours, which must be exactly those of
-    /// [`PART_COLOURS`](crate::parts::PART_COLOURS).
+    /// [`PART_COLOURS`](kn_mesh::parts::PART_COLOURS).
     Colours,
     /// From another file, one integer per line and vertex.
     File(PathBuf),
@@ -39,7 +39,7 @@ impl Default for ReadOptions {
     fn default() -> Self {
         Self {
             labels: LabelSource::default(),
-            max_label: crate::parts::OTHER_LABEL,
+            max_label: kn_mesh::parts::OTHER_LABEL,
             allow_no_faces: false,
             frame_rate: 30.0,
         }

@@ -6,7 +6,7 @@
 use super::read::Parsed;
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, MeshErrorKind, Place, ReadNotes};
-use crate::Mesh;
+use kn_mesh::Mesh;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::{Component, Path};

@@ -1,8 +1,8 @@
 //! Joins a sequence of scans into one animated GLB file:
-//! `cargo run --release -p kn-mesh --example to_glb -- out.glb 'scan/*.obj'`.
+//! `cargo run --release -p kn-io --example to_glb -- out.glb 'scan/*.obj'`.
 
+use kn_io::{GlbWriter, Inputs, ReadNotes, ReadOptions};
 use kn_mesh::CleanReport;
-use kn_mesh::io::{GlbWriter, Inputs, ReadNotes, ReadOptions};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

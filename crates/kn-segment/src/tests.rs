@@ -2,7 +2,7 @@
 
 use super::*;
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig};
+use kn_performer::{Action, Performer, PerformerConfig};
 use proptest::prelude::*;
 
 fn performer(config: PerformerConfig) -> Performer {
@@ -74,7 +74,7 @@ fn a_held_ball_is_no_hand() {
 
 #[test]
 fn finds_the_parts_of_the_simulated_capture() {
-    use kn_mesh::io::{LabelSource, ReadOptions, read_mesh};
+    use kn_io::{LabelSource, ReadOptions, read_mesh};
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/tshirt_turn");
     if !std::path::Path::new(folder).exists() {
         eprintln!("skipped: ../shared is absent");

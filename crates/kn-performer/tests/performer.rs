@@ -1,8 +1,7 @@
 //! What the rest of the workspace relies on when it runs on the synthetic performer.
-#![cfg(feature = "performer")]
 
 use kn_mesh::Mesh;
-use kn_mesh::performer::{Action, Performer, PerformerConfig, part};
+use kn_performer::{Action, Performer, PerformerConfig, part};
 use std::collections::HashMap;
 
 const ACTIONS: [Action; 5] =

@@ -3,7 +3,7 @@
 use super::read::{Parsed, read_file};
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, Place, ReadOptions};
-use crate::parts::label_of_colour;
+use kn_mesh::parts::label_of_colour;
 use std::path::Path;
 
 /// The labels that `options` ask for, checked; what is used up is taken out of `parsed`.
@@ -104,7 +104,7 @@ fn in_range(label: i64, max_label: u8) -> Result<u8, MeshErrorKind> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parts::PART_COLOURS;
+    use kn_mesh::parts::PART_COLOURS;
 
     fn message(result: Result<Vec<u8>, Fault>) -> String {
         result.expect_err("must fail").at(Path::new("f.labels")).to_string()

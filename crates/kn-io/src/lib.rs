@@ -6,7 +6,7 @@
 //! temporary file, so that a file is there whole or not at all.
 //!
 //! ```no_run
-//! use kn_mesh::io::{Inputs, ReadOptions};
+//! use kn_io::{Inputs, ReadOptions};
 //!
 //! let inputs = Inputs::find(&["scan/*.obj".into()], ReadOptions::default())?;
 //! for frame in inputs.frames() {
