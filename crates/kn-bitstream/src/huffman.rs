@@ -34,18 +34,6 @@ pub fn cauchy_table(index: u8) -> &'static CauchyTable {
     &TABLES[usize::from(index)]
 }
 
-/// The table that codes `values` in the fewest bits, the lowest of equals, and the number of bits.
-pub fn best_table(values: &[i32]) -> (u8, u64) {
-    let bits = |index: u8| -> u64 {
-        let table = cauchy_table(index);
-        values.iter().map(|&value| u64::from(table.code_length(value))).sum()
-    };
-    (0..TABLE_COUNT)
-        .map(|index| (index, bits(index)))
-        .min_by_key(|&(_, bits)| bits)
-        .unwrap_or((0, 0))
-}
-
 impl CauchyTable {
     /// Bits that `value` takes in this table. For estimating rates.
     pub fn code_length(&self, value: i32) -> u32 {
@@ -175,13 +163,5 @@ mod tests {
             assert_eq!(kraft.sum::<u64>(), 1 << MAX_LENGTH, "table {index}");
             assert_eq!(shape.symbols.iter().sum::<u32>(), 2 * shape.max_magnitude + 1);
         }
-    }
-
-    #[test]
-    fn the_best_table_grows_with_the_values() {
-        assert_eq!(best_table(&[0; 50]).0, 0);
-        let wide: Vec<i32> = (-500..500).collect();
-        let narrow: Vec<i32> = (-500..500).map(|v| v / 100).collect();
-        assert!(best_table(&wide).0 > best_table(&narrow).0 + 10);
     }
 }

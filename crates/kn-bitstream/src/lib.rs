@@ -11,6 +11,7 @@ pub mod range;
 mod reader;
 pub mod rule;
 mod sequence;
+mod symbol;
 mod tables;
 mod trace;
 pub mod unit;
@@ -18,7 +19,7 @@ mod writer;
 
 pub use error::{Error, ErrorKind};
 pub use frame::{FrameHeader, IntraFrame, MAX_SMOOTHING};
-pub use huffman::{CauchyTable, TABLE_COUNT, best_table, cauchy_table};
+pub use huffman::{CauchyTable, TABLE_COUNT, cauchy_table};
 pub use index::{Index, IndexGroup, TAIL_BYTES, index_size};
 pub use level::{COORDINATE_LIMIT, Level};
 pub use motion::{
@@ -30,5 +31,6 @@ pub use sequence::{
     BODY_LABELS, FileNames, InfluenceMode, LabelSet, PROFILE_MAIN, SequenceHeader, UnitOfLength,
     VERSION, WeightScheme, name_text,
 };
+pub use symbol::{EntropyMode, Symbol, SymbolCoder, ValueList};
 pub use trace::{Element, Name, Trace, Value};
 pub use writer::{BitWriter, best_rice};

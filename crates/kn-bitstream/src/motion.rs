@@ -2,11 +2,11 @@
 
 use crate::error::Error;
 use crate::frame::FrameHeader;
-use crate::huffman::{TABLE_COUNT, cauchy_table};
+use crate::huffman::TABLE_COUNT;
 use crate::reader::BitReader;
 use crate::rule;
+use crate::symbol::{Bounds, EntropyMode, List, ValueList};
 use crate::writer::BitWriter;
-use std::ops::RangeInclusive;
 
 /// What must be known to read or write a P-frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +43,8 @@ pub enum TranslationMode {
 pub struct MotionFrame {
     /// What stands before every frame.
     pub header: FrameHeader,
+    /// How the lists are coded.
+    pub entropy_mode: EntropyMode,
     /// What `translation` is relative to.
     pub translation_mode: TranslationMode,
     /// Components of the affine nodes.
@@ -140,8 +142,7 @@ impl MotionFrame {
         self.header.read(bits)?;
         let reference_mode = bits.u("reference_mode", 2)?;
         bits.require_supported(reference_mode == 0, rule::MOTION_REFERENCE_KNOWN)?;
-        let entropy_mode = bits.u("entropy_mode", 1)?;
-        bits.require_supported(entropy_mode == 0, rule::MOTION_ENTROPY_KNOWN)?;
+        self.entropy_mode = EntropyMode::read(bits)?;
         let residual_present = bits.flag("residual_present")?;
         bits.require_supported(!residual_present, rule::MOTION_RESIDUAL_KNOWN)?;
         self.translation_mode = TranslationMode::read(bits, context)?;
@@ -151,7 +152,18 @@ impl MotionFrame {
         let carried = context.affine_count > 0 || self.enabled == Components::default();
         bits.require(carried, rule::MOTION_ENABLED_AFFINE)?;
         self.read_steps(bits, self.enabled.counts(context))?;
-        self.read_values(bits, context)
+        let lists = self.lists(context);
+        self.entropy_mode.read_lists(
+            bits,
+            &lists,
+            [
+                &mut self.translation_change,
+                &mut self.translation,
+                &mut self.rotation,
+                &mut self.scale,
+                &mut self.shear,
+            ],
+        )
     }
 
     fn read_steps(&mut self, bits: &mut BitReader<'_, '_>, counts: [u32; 3]) -> Result<(), Error> {
@@ -166,33 +178,24 @@ impl MotionFrame {
         Ok(())
     }
 
-    fn read_values(
-        &mut self,
-        bits: &mut BitReader<'_, '_>,
-        context: &MotionContext,
-    ) -> Result<(), Error> {
+    /// The lists of the frame in the order of the stream.
+    fn lists(&self, context: &MotionContext) -> [List; 5] {
         let [rotations, scales, shears] = self.enabled.counts(context);
-        let (parts, table) = self.changes(context);
-        let list = List { name: "translation_change", count: parts, table, bounds: None };
-        list.read(bits, &mut self.translation_change)?;
-        let (count, table) = (context.node_count, self.translation_table);
-        let list = List { name: "translation", count, table, bounds: None };
-        list.read(bits, &mut self.translation)?;
-        let parameter = |name, count, step, range, rule| List {
-            name,
-            count,
-            table: self.parameter_table,
-            bounds: Some(Bounds { step: parameter_step(step), range, rule }),
+        let (parts, change_table) = self.changes(context);
+        let translation = |list, count, table| List { list, count, table, bounds: None };
+        let parameter = |list, count, step, range, rule| {
+            let bounds = Some(Bounds { step: parameter_step(step), range, rule });
+            List { list, count, table: self.parameter_table, bounds }
         };
-        let range = -4 * ONE..=4 * ONE;
-        parameter("rotation", rotations, self.rotation_step, range, rule::MOTION_ROTATION_RANGE)
-            .read(bits, &mut self.rotation)?;
-        let range = 1 - ONE..=7 * ONE;
-        parameter("scale", scales, self.scale_step, range, rule::MOTION_SCALE_RANGE)
-            .read(bits, &mut self.scale)?;
-        let range = -8 * ONE..=8 * ONE;
-        parameter("shear", shears, self.shear_step, range, rule::MOTION_SHEAR_RANGE)
-            .read(bits, &mut self.shear)
+        let (angles, scaled, sheared) = (-4 * ONE..=4 * ONE, 1 - ONE..=7 * ONE, -8 * ONE..=8 * ONE);
+        let (r, s, h) = (self.rotation_step, self.scale_step, self.shear_step);
+        [
+            translation(ValueList::TranslationChange, parts, change_table),
+            translation(ValueList::Translation, context.node_count, self.translation_table),
+            parameter(ValueList::Rotation, rotations, r, angles, rule::MOTION_ROTATION_RANGE),
+            parameter(ValueList::Scale, scales, s, scaled, rule::MOTION_SCALE_RANGE),
+            parameter(ValueList::Shear, shears, h, sheared, rule::MOTION_SHEAR_RANGE),
+        ]
     }
 
     /// How many changes the frame has, and the table that they are coded with.
@@ -206,8 +209,11 @@ impl MotionFrame {
     /// Writes the frame; the mirror of [`Self::read`].
     pub fn write(&self, bits: &mut BitWriter, context: &MotionContext) {
         self.header.write(bits);
-        // reference_mode, entropy_mode, residual_present.
-        bits.u(0, 4);
+        // reference_mode.
+        bits.u(0, 2);
+        self.entropy_mode.write(bits);
+        // residual_present.
+        bits.flag(false);
         bits.u(self.translation_mode as u64, 2);
         bits.flag(self.enabled.rotation);
         bits.flag(self.enabled.scale);
@@ -224,53 +230,12 @@ impl MotionFrame {
         if sent.count() > 0 {
             bits.u(u64::from(self.parameter_table), 6);
         }
-        write_list(bits, &self.translation_change, self.changes(context).1);
-        write_list(bits, &self.translation, self.translation_table);
-        for (list, _) in parameters {
-            write_list(bits, list, self.parameter_table);
-        }
+        self.entropy_mode.write_lists(
+            bits,
+            &self.lists(context),
+            [&self.translation_change, &self.translation, &self.rotation, &self.scale, &self.shear],
+        );
     }
-}
-
-/// One list of quantised triples.
-struct List {
-    name: &'static str,
-    count: u32,
-    table: u8,
-    /// None where the bounds are those of the sum with a prediction, which the decoder checks.
-    bounds: Option<Bounds>,
-}
-
-/// What holds for value · step.
-struct Bounds {
-    step: i64,
-    range: RangeInclusive<i64>,
-    rule: &'static str,
-}
-
-impl List {
-    fn read(&self, bits: &mut BitReader<'_, '_>, values: &mut Vec<[i32; 3]>) -> Result<(), Error> {
-        let table = cauchy_table(self.table);
-        values.clear();
-        for node in 0..self.count {
-            let mut triple = [0; 3];
-            for axis in 0..3 {
-                let value = bits.huffman((self.name, node, axis as u32), table)?;
-                if let Some(bounds) = &self.bounds {
-                    let inside = bounds.range.contains(&(i64::from(value) * bounds.step));
-                    bits.require(inside, bounds.rule)?;
-                }
-                triple[axis] = value;
-            }
-            values.push(triple);
-        }
-        Ok(())
-    }
-}
-
-fn write_list(bits: &mut BitWriter, values: &[[i32; 3]], table: u8) {
-    let table = cauchy_table(table);
-    values.as_flattened().iter().for_each(|&value| bits.huffman(value, table));
 }
 
 fn read_table(bits: &mut BitReader<'_, '_>, name: &'static str) -> Result<u8, Error> {
@@ -335,6 +300,7 @@ mod tests {
                 let table = if rotations + scales + shears > 0 { tables.1 } else { 0 };
                 let frame = MotionFrame {
                     header: FrameHeader { name: String::new(), positions_digest: Some(7) },
+                    entropy_mode: EntropyMode::Huffman,
                     translation_mode,
                     enabled,
                     translation_step: step,

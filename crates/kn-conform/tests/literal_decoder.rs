@@ -5,9 +5,9 @@ use std::path::Path;
 
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
-    AffineNodes, BitWriter, Components, FrameHeader, Index, IndexGroup, InfluenceMode, IntraFrame,
-    KeyNodes, LabelSet, MAX_SMOOTHING, MotionContext, MotionFrame, NodeSites, SequenceHeader,
-    TranslationMode, UnitOfLength, WeightScheme, best_table,
+    AffineNodes, BitWriter, Components, EntropyMode, FrameHeader, Index, IndexGroup, InfluenceMode,
+    IntraFrame, KeyNodes, LabelSet, MAX_SMOOTHING, MotionContext, MotionFrame, NodeSites,
+    SequenceHeader, TranslationMode, UnitOfLength, ValueList, WeightScheme,
 };
 use kn_codec::intra::encode_intra;
 use kn_codec::{DecodeError, Limits, Progress, StreamDecoder, digest};
@@ -179,6 +179,7 @@ fn frame(motions: &Motions, affine: &[bool], context: &MotionContext) -> MotionF
     let step = |step, count| if count > 0 { step } else { 0 };
     let mut frame = MotionFrame {
         header: FrameHeader::default(),
+        entropy_mode: EntropyMode::Huffman,
         translation_mode: mode,
         enabled,
         translation_step,
@@ -193,7 +194,8 @@ fn frame(motions: &Motions, affine: &[bool], context: &MotionContext) -> MotionF
         scale: list(2, &|affine| affine && enabled.scale),
         shear: list(3, &|affine| affine && enabled.shear),
     };
-    frame.translation_table = best_table(frame.translation.as_flattened()).0;
+    let translations = [(ValueList::Translation, &frame.translation[..])];
+    frame.translation_table = frame.entropy_mode.best_table(&translations).0;
     frame
 }
 

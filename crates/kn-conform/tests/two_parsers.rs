@@ -4,8 +4,8 @@ use std::path::Path;
 
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
-    AffineNodes, BitReader, BitWriter, Components, FrameHeader, KeyNodes, KeyNodesContext,
-    MotionContext, MotionFrame, NodeSites, TranslationMode, WeightScheme,
+    AffineNodes, BitReader, BitWriter, Components, EntropyMode, FrameHeader, KeyNodes,
+    KeyNodesContext, MotionContext, MotionFrame, NodeSites, TranslationMode, WeightScheme,
 };
 use kn_conform::{Spec, TraceLine};
 use proptest::prelude::*;
@@ -126,6 +126,7 @@ fn motion(context: MotionContext) -> impl Strategy<Value = MotionFrame> {
                 let step_for = |count| if count > 0 { step } else { 0 };
                 MotionFrame {
                     header: FrameHeader { name: "né".into(), positions_digest: Some(3) },
+                    entropy_mode: EntropyMode::Huffman,
                     translation_mode: mode,
                     enabled,
                     translation_step: step,

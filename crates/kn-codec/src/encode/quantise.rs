@@ -2,7 +2,7 @@
 
 use crate::encode::config::{EncoderConfig, StepChoice};
 use kn_bitstream::{
-    Components, HUFFMAN_VALUE_LIMIT, MotionFrame, best_table, parameter_step, translation_step,
+    Components, HUFFMAN_VALUE_LIMIT, MotionFrame, ValueList, parameter_step, translation_step,
 };
 use kn_deform::{Combination, NodeTransform};
 
@@ -142,11 +142,12 @@ pub(crate) fn quantise_parameters(
     motion.scale_step = used(steps.scale, &motion.scale);
     motion.shear_step = used(steps.shear, &motion.shear);
     // One table for P = [R', S', H'].
-    let parameters: Vec<i32> = [&motion.rotation, &motion.scale, &motion.shear]
-        .into_iter()
-        .flat_map(|list| list.as_flattened().iter().copied())
-        .collect();
-    motion.parameter_table = best_table(&parameters).0;
+    let parameters = [
+        (ValueList::Rotation, &motion.rotation[..]),
+        (ValueList::Scale, &motion.scale),
+        (ValueList::Shear, &motion.shear),
+    ];
+    motion.parameter_table = motion.entropy_mode.best_table(&parameters).0;
 }
 
 /// A parameter step as a number.

@@ -3,7 +3,7 @@
 use crate::decode::Translations;
 use crate::encode::config::TranslationChoice;
 use crate::encode::quantise::quantised;
-use kn_bitstream::{MotionFrame, TranslationMode, best_table, cauchy_table, translation_step};
+use kn_bitstream::{EntropyMode, MotionFrame, TranslationMode, ValueList, translation_step};
 use kn_deform::NodeTransform;
 
 /// Codes the translations of `transforms` (`#N`, in reference units) into `motion`: mode, step,
@@ -21,7 +21,9 @@ pub(crate) fn code_translations(
     let reach = (f64::from(limit - 1) - translation_step(step) as f64 / 2.0).max(0.0);
     let wanted: Vec<[f64; 3]> =
         transforms.iter().map(|t| t.translation.map(|t| t.clamp(-reach, reach))).collect();
-    let trials = modes(choice, before).iter().map(|&mode| Trial::new(mode, &wanted, before, step));
+    let entropy = motion.entropy_mode;
+    let trial = |&mode: &TranslationMode| Trial::new(mode, entropy, &wanted, before, step);
+    let trials = modes(choice, before).iter().map(trial);
     // Of equals the first.
     let Some(best) = trials.min_by_key(|trial| trial.bits) else { return };
     motion.translation_step = step;
@@ -54,10 +56,16 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(mode: TranslationMode, wanted: &[[f64; 3]], before: &Translations, step: u8) -> Self {
+    fn new(
+        mode: TranslationMode,
+        entropy: EntropyMode,
+        wanted: &[[f64; 3]],
+        before: &Translations,
+        step: u8,
+    ) -> Self {
         let step = translation_step(step);
         let (changes, change_bits) = match mode {
-            TranslationMode::SpatioTemporal => fit_changes(wanted, before),
+            TranslationMode::SpatioTemporal => fit_changes(entropy, wanted, before),
             TranslationMode::Direct | TranslationMode::Spatial => (Vec::new(), 0),
         };
         let mut values = vec![[0; 3]; wanted.len()];
@@ -71,29 +79,29 @@ impl Trial {
             Ok::<_, std::convert::Infallible>(std::array::from_fn(decoded))
         };
         let Ok(()) = before.clone().predict(mode, &changes, quantise);
-        let (table, bits) = best_table(values.as_flattened());
+        let (table, bits) = entropy.best_table(&[(ValueList::Translation, &values)]);
         Self { mode, bits: bits + change_bits, table, changes, values }
     }
 }
 
 /// The change of every part since the frame before, quantised by that frame's dictionary, and the
 /// bits that the changes take.
-fn fit_changes(wanted: &[[f64; 3]], before: &Translations) -> (Vec<[i32; 3]>, u64) {
+fn fit_changes(
+    entropy: EntropyMode,
+    wanted: &[[f64; 3]],
+    before: &Translations,
+) -> (Vec<[i32; 3]>, u64) {
     let Some(dictionary) = before.dictionary() else { return (Vec::new(), 0) };
-    let table = cauchy_table(dictionary.table);
-    let mut bits = 0;
     let of_part = |part: u32| {
         let nodes = before.parts().iter().enumerate().filter(|(_, of)| u32::from(**of) == part);
         let change = |(node, _): (usize, &u8)| -> [f64; 3] {
             std::array::from_fn(|axis| wanted[node][axis] - before.decoded()[node][axis] as f64)
         };
         let changes: Vec<[f64; 3]> = nodes.map(change).collect();
-        let median =
-            geometric_median(&changes).map(|d| quantised(d, dictionary.step as f64, f64::INFINITY));
-        bits += median.iter().map(|&value| u64::from(table.code_length(value))).sum::<u64>();
-        median
+        geometric_median(&changes).map(|d| quantised(d, dictionary.step as f64, f64::INFINITY))
     };
-    let changes = (0..before.part_count()).map(of_part).collect();
+    let changes: Vec<[i32; 3]> = (0..before.part_count()).map(of_part).collect();
+    let bits = entropy.bits(ValueList::TranslationChange, &changes, dictionary.table);
     (changes, bits)
 }
 
@@ -154,14 +162,11 @@ mod tests {
     ) -> u64 {
         let mut motion = MotionFrame::default();
         code_translations(frame, group, choice, step, 1 << 28, &mut motion);
-        let bits = |values: &[[i32; 3]], table: u8| -> u64 {
-            let length = |&value: &i32| u64::from(cauchy_table(table).code_length(value));
-            values.as_flattened().iter().map(length).sum()
-        };
+        let mode = motion.entropy_mode;
         let before = group.dictionary().map_or(0, |dictionary| dictionary.table);
         group.decode(&motion, 1 << 28).expect("in range");
-        bits(&motion.translation_change, before)
-            + bits(&motion.translation, motion.translation_table)
+        mode.bits(ValueList::TranslationChange, &motion.translation_change, before)
+            + mode.bits(ValueList::Translation, &motion.translation, motion.translation_table)
     }
 
     proptest! {
