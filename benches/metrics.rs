@@ -1,7 +1,7 @@
 //! Speed of the metrics, and how it grows from 1 k to 100 k vertices.
 //!
 //! `cargo bench --bench metrics`; the table and the picture in `docs/` are from
-//! `cargo run --release --example metrics_growth`.
+//! `cargo run --release -p kn-lab -- metrics-growth`.
 
 use std::hint::black_box;
 
@@ -11,10 +11,7 @@ use kn_metrics::{
     p2s_of_vertices, point_distortion,
 };
 
-#[path = "../examples/common/ring.rs"]
-mod ring;
-
-use ring::{Shape, pair};
+use kn_lab::ring::{Shape, pair};
 
 fn symmetric(a: &Shape, b: &Shape) -> f64 {
     let (a, b) = rayon::join(

@@ -1,13 +1,14 @@
 //! Joins a sequence of scans into one animated GLB file:
-//! `cargo run --release -p kn-io --example to_glb -- out.glb 'scan/*.obj'`.
+//! `cargo run --release -p kn-lab -- to-glb out.glb 'scan/*.obj'`.
 
+use anyhow::{Context, Result};
 use kn_io::{GlbWriter, Inputs, ReadNotes, ReadOptions};
 use kn_mesh::CleanReport;
 use std::path::{Path, PathBuf};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
-    let Some(output) = arguments.next() else { return Err("give an output and inputs".into()) };
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let mut arguments = arguments.iter().map(PathBuf::from);
+    let output = arguments.next().context("usage: to-glb OUTPUT.glb INPUT...")?;
     let inputs: Vec<PathBuf> = arguments.collect();
     let options = ReadOptions::default();
     let mut writer = GlbWriter::create(Path::new(&output), options.frame_rate)?;

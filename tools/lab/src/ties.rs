@@ -1,8 +1,8 @@
 //! How far MSDM2 moves when nothing but the order of faces or the place in space changes, for the
 //! oracle's pairs that are not within its tolerances:
-//! `cargo run --release -p kn-metrics --example ties -- ../shared/oracle`.
+//! `cargo run --release -p kn-lab -- ties ../shared/oracle`.
 
-use std::error::Error;
+use anyhow::{Context, Result};
 use std::path::Path;
 
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
@@ -21,8 +21,8 @@ const PAIRS: [(&str, &str, [f64; 2]); 6] = [
     ("torus_scale2", "torus", [0.142797851801, 0.149620328223]),
 ];
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args_os().nth(1).ok_or("the oracle's folder is needed")?;
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let folder = arguments.first().context("usage: ties FOLDER, the folder of the oracle")?;
     println!(
         "pair, interpolation: reference | ours | over {ORDERS} orders | over {ORDERS} motions"
     );
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (interpolation, reference) in
             [Interpolation::AtVertex, Interpolation::Projected].into_iter().zip(reference)
         {
-            let score = |a: &Mesh, b: &Mesh| -> Result<f64, Box<dyn Error>> {
+            let score = |a: &Mesh, b: &Mesh| -> Result<f64> {
                 let surface = |mesh: &Mesh| Msdm2Surface::new(&mesh.0, &mesh.1, DEFAULT_LEVELS);
                 Ok(msdm2(&surface(a)?, &surface(b)?, interpolation).symmetric)
             };
@@ -52,9 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn range(
-    scores: impl Iterator<Item = Result<f64, Box<dyn Error>>>,
-) -> Result<[f64; 2], Box<dyn Error>> {
+fn range(scores: impl Iterator<Item = Result<f64>>) -> Result<[f64; 2]> {
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for score in scores {
         let score = score?;
@@ -64,7 +62,7 @@ fn range(
 }
 
 /// An OFF file of triangles, in binary64.
-fn read_off(path: &Path) -> Result<Mesh, Box<dyn Error>> {
+fn read_off(path: &Path) -> Result<Mesh> {
     let text = std::fs::read_to_string(path)?;
     let numbers: Result<Vec<f64>, _> =
         text.split_ascii_whitespace().skip(1).map(str::parse).collect();

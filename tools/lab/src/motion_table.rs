@@ -1,16 +1,14 @@
 //! What P-frames lose, frame by frame, with rigid and with affine key nodes.
 //!
-//! `cargo run --release --example motion_table -- [FOLDER FIRST COUNT]`
+//! `cargo run --release -p kn-lab -- motion-table [FOLDER FIRST COUNT]`
 //!
 //! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one group: an
 //! I-frame at 11 bits and P-frames that are chained. Body parts come from the segmenter. Distances
 //! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
 //! 11 of `../shared/data/dancer`, and where that is absent a few of the performer.
 
-mod common;
-
+use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result, ensure};
-use common::{Surface, code, without_choices};
 use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
 use kn_deform::WeightScheme;
 use kn_io::{Inputs, ReadOptions};
@@ -54,14 +52,13 @@ fn settings() -> Vec<Setting> {
     ]
 }
 
-fn main() -> Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let dancer = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/dancer"));
-    let (frames, bounds) = match &arguments[..] {
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let dancer = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/dancer"));
+    let (frames, bounds) = match arguments {
         [folder, first, count] => read(folder.into(), first.parse()?, count.parse()?)?,
         [] if dancer.exists() => read(dancer.into(), 4, 8)?,
         [] => performer()?,
-        _ => anyhow::bail!("usage: motion_table [FOLDER FIRST COUNT]"),
+        _ => anyhow::bail!("usage: motion-table [FOLDER FIRST COUNT]"),
     };
     let mut segmenter = Segmenter::new(SegmentOptions::default());
     let labelled = frames.iter().map(|frame| {

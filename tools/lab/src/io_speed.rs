@@ -1,6 +1,7 @@
 //! Times our readers against tobj and ply-rs-bw on one OBJ file and its PLY copy, then our writers
-//! and the cleaning: `cargo run --release -p kn-io --example io_speed -- FILE.obj`.
+//! and the cleaning: `cargo run --release -p kn-lab -- io-speed FILE.obj`.
 
+use anyhow::{Result, bail};
 use kn_io::{ReadOptions, read_mesh, write_mesh};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{BeginList, DefaultElement, PropertyAccess, PropertyAccessResult};
@@ -45,9 +46,9 @@ impl PropertyAccess for Element {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let Some(obj) = std::env::args_os().nth(1) else { return Err("give an OBJ file".into()) };
-    let obj = Path::new(&obj);
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let [obj] = arguments else { bail!("usage: io-speed FILE.obj") };
+    let obj = Path::new(obj);
     let options = ReadOptions::default();
     let (ours, scan) = fastest(|| read_mesh(obj, &options));
     let mesh = scan?.mesh;

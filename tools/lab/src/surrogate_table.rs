@@ -1,6 +1,6 @@
 //! What the surrogate of MSDM2 looks at, beside MSDM2, for the frames of streams.
 //!
-//! `cargo run --release --example surrogate_table -- FOLDER FIRST STREAM...`
+//! `cargo run --release -p kn-lab -- surrogate-table FOLDER FIRST STREAM...`
 //!
 //! FOLDER holds the scans that the streams were made from, the streams' first frame is the FIRST of
 //! them. Prints a CSV row for each P-frame: MSDM2 (symmetric), and of the decoded surface against the
@@ -18,10 +18,9 @@ use std::io::BufReader;
 /// Faces that are looked at, about.
 const SAMPLES: usize = 4000;
 
-fn main() -> Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, first, streams @ ..] = &arguments[..] else {
-        anyhow::bail!("usage: surrogate_table FOLDER FIRST STREAM...");
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let [folder, first, streams @ ..] = arguments else {
+        anyhow::bail!("usage: surrogate-table FOLDER FIRST STREAM...");
     };
     let first: usize = first.parse().context("FIRST")?;
     let inputs = Inputs::find(&[folder.into()], ReadOptions::default())?;

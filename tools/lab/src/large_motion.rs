@@ -1,6 +1,6 @@
 //! How many limbs the fit loses when they swing far between two frames.
 //!
-//! `cargo run --release --example large_motion -- [SEEDS [FIRST]]`
+//! `cargo run --release -p kn-lab -- large-motion [SEEDS [FIRST]]`
 //!
 //! Each seed gives two poses of the performer, meshed independently, whose limbs are up to 30 % of
 //! the height apart; the first is registered to the second with 200 rigid nodes and no labels. A
@@ -15,8 +15,8 @@ const VERTICES: usize = 10_000;
 /// Of a lost part, metres: 5 % of a figure of 1.7 m.
 const LOST: f64 = 0.05 * 1.7;
 
-fn main() -> Result<()> {
-    let mut arguments = std::env::args().skip(1);
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let mut arguments = arguments.iter();
     let seeds: u64 = arguments.next().map_or(Ok(50), |text| text.parse())?;
     let first: u64 = arguments.next().map_or(Ok(0), |text| text.parse())?;
     let (mut lost, mut sum) = (0, 0.0);

@@ -1,17 +1,16 @@
 //! Writes frames of the synthetic performer as OBJ files with labels beside them, for measuring.
 //!
-//! `performer_frames FOLDER ACTION FRAMES [SEED [VERTICES]]`
+//! `cargo run --release -p kn-lab -- performer-frames FOLDER ACTION FRAMES [SEED [VERTICES]]`
 
+use anyhow::{Result, bail};
 use kn_mesh::Mesh;
 use kn_performer::{Action, Performer, PerformerConfig};
-use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, action, frames, rest @ ..] = args.as_slice() else {
-        return Err("usage: performer_frames FOLDER ACTION FRAMES [SEED [VERTICES]]".into());
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let [folder, action, frames, rest @ ..] = arguments else {
+        bail!("usage: performer-frames FOLDER ACTION FRAMES [SEED [VERTICES]]");
     };
     let mut config = PerformerConfig { action: action_of(action)?, ..Default::default() };
     if let Some(seed) = rest.first() {
@@ -29,18 +28,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn action_of(name: &str) -> Result<Action, String> {
+fn action_of(name: &str) -> Result<Action> {
     match name {
         "stand" => Ok(Action::Stand),
         "walk" => Ok(Action::Walk),
         "turn" => Ok(Action::Turn),
         "dance" => Ok(Action::Dance),
         "poses" => Ok(Action::Poses),
-        _ => Err(format!("{name} is no action: stand, walk, turn, dance or poses")),
+        _ => bail!("{name} is no action: stand, walk, turn, dance or poses"),
     }
 }
 
-fn write_frame(mesh: &Mesh, name: &Path) -> Result<(), Box<dyn Error>> {
+fn write_frame(mesh: &Mesh, name: &Path) -> Result<()> {
     let (mut obj, mut labels) = (String::new(), String::new());
     for [x, y, z] in &mesh.positions {
         writeln!(obj, "v {x} {y} {z}")?;

@@ -1,6 +1,6 @@
 //! Measures the segmenter: accuracy against true labels, flicker, time.
 //!
-//!     cargo run --release --example segment_report [FRAMES [VERTICES [NAME]]]
+//!     cargo run --release -p kn-lab -- segment-report [FRAMES [VERTICES [NAME]]]
 //!
 //! Runs on sequences of the performer (all, or those whose name holds NAME), and on
 //! `../shared/data/tshirt_turn` where it exists. Frames below 85 % are named.
@@ -14,18 +14,19 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::Instant;
 
-fn main() -> Result<()> {
-    let mut arguments = std::env::args().skip(1);
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let mut arguments = arguments.iter();
     let frames: u32 = arguments.next().map_or(Ok(20), |text| text.parse())?;
     let vertices: usize = arguments.next().map_or(Ok(20_000), |text| text.parse())?;
-    let chosen = arguments.next().unwrap_or_default();
+    let chosen = arguments.next().map_or("", String::as_str);
     println!("sequence          right   worst   changes  of truth  returns  ms/frame  slowest");
-    for (name, config) in sequences(vertices).into_iter().filter(|(name, _)| name.contains(&chosen))
+    for (name, config) in sequences(vertices).into_iter().filter(|(name, _)| name.contains(chosen))
     {
         report_performer(name, config, frames)?;
     }
-    let capture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/tshirt_turn"));
-    let wanted = capture.exists() && "tshirt_turn".contains(&chosen);
+    let capture =
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/tshirt_turn"));
+    let wanted = capture.exists() && "tshirt_turn".contains(chosen);
     if wanted { report_capture(capture) } else { Ok(()) }
 }
 

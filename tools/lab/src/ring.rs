@@ -1,7 +1,7 @@
 //! Two meshes whose distance is measured, of any size.
 
 /// Positions and faces.
-pub(crate) type Shape = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+pub type Shape = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// A wavy tube, closed to a ring, of about `vertices` vertices: as thin beside its box as a person
 /// is. `shift` moves the waves.
@@ -26,6 +26,6 @@ fn wavy_ring(vertices: usize, shift: f64) -> Shape {
 }
 
 /// Two rings of about so many vertices, with different waves and edges.
-pub(crate) fn pair(vertices: usize) -> (Shape, Shape) {
+pub fn pair(vertices: usize) -> (Shape, Shape) {
     (wavy_ring(vertices, 0.0), wavy_ring(vertices * 97 / 100, 0.4))
 }

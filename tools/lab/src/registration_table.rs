@@ -1,6 +1,6 @@
 //! `kn register` beside the best registration peers: distances, CPU seconds, growth.
 //!
-//! `cargo build --release && cargo run --release --example registration_table -- [RUNS]`
+//! `cargo build --release && cargo run --release -p kn-lab -- registration-table [RUNS]`
 //!
 //! Every pair of `../shared/data/pairs` is registered by the whole process, with the number of
 //! nodes of `spare_coarse_r5`, so many times (3). In brackets stands what is asked for: of the
@@ -40,10 +40,10 @@ struct Measured {
     stretch: f64,
 }
 
-fn main() -> Result<()> {
-    let runs = std::env::args().nth(1).map_or(Ok(3), |text| text.parse())?;
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let runs = arguments.first().map_or(Ok(3), |text| text.parse())?;
     let scratch = tempfile::tempdir()?;
-    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared"));
+    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared"));
     if shared.exists() {
         println!("| pair | nodes | s2t | t2s | truth | steps | CPU s | wall / CPU | stretch |");
         println!("|---|---|---|---|---|---|---|---|---|");
@@ -102,7 +102,7 @@ fn write_performers(folder: &Path, vertices: usize) -> Result<()> {
 /// Runs `kn register` on a folder with `source.obj`, `target.obj` and perhaps `truth.obj`.
 fn register(folder: &Path, nodes: usize, runs: usize, scratch: &Path) -> Result<Measured> {
     let program = std::env::current_exe()?;
-    let program = program.ancestors().nth(2).context("a folder above")?.join("kn");
+    let program = program.parent().context("a folder above")?.join("kn");
     ensure!(program.exists(), "{} is missing: cargo build --release", program.display());
     let (source, out) = (folder.join("source.obj"), scratch.join("out.obj"));
     let mut command = Command::new(program);

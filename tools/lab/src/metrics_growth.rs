@@ -1,17 +1,12 @@
 //! How the metrics' CPU seconds grow with the meshes, as a table and as a picture:
-//! `cargo run --release --example metrics_growth -- [PLOT.svg [VERTICES…]]`.
+//! `cargo run --release -p kn-lab -- metrics-growth [PLOT.svg [VERTICES…]]`.
 
-#[path = "common/clock.rs"]
-mod clock;
-#[path = "common/ring.rs"]
-mod ring;
-
+use crate::clock::cpu_seconds;
 use anyhow::Result;
-use clock::cpu_seconds;
+use kn_lab::ring::{Shape, pair};
 use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2, p2s_of_vertices,
 };
-use ring::{Shape, pair};
 use std::fmt::Write as _;
 use std::hint::black_box;
 
@@ -25,8 +20,8 @@ const CURVES: [(&str, &str); 3] = [
     ("P2S of vertices, both ways", "#3a8a3a"),
 ];
 
-fn main() -> Result<()> {
-    let mut arguments = std::env::args().skip(1);
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let mut arguments = arguments.iter();
     let path = arguments.next();
     let sizes: Vec<usize> = arguments.map(|size| size.parse()).collect::<Result<_, _>>()?;
     let sizes = if sizes.is_empty() { SIZES.to_vec() } else { sizes };

@@ -1,16 +1,14 @@
 //! What the key-node generator gains over farthest points, group by group.
 //!
-//! `cargo run --release --example generator_table -- [NODES [FOLDER..]]`
+//! `cargo run --release -p kn-lab -- generator-table [NODES [FOLDER..]]`
 //!
 //! Every folder of `frame_0000.obj` files is coded twice in groups of eight frames, 11 bits, rigid
 //! nodes and no labels: with nodes by farthest points and with generated ones. Without folders:
 //! `dancer`, `liam` and `tshirt_turn` of `../shared/data`. P2S is the mean of both directions' RMS,
 //! in 1e-4 of the diagonal of the box of all frames.
 
-mod common;
-
+use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result};
-use common::{Surface, code, without_choices};
 use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
 use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
@@ -20,12 +18,12 @@ const GROUP: usize = 8;
 /// Area-uniform samples on each surface.
 const SAMPLES: usize = 50_000;
 
-fn main() -> Result<()> {
-    let mut arguments = std::env::args().skip(1);
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let mut arguments = arguments.iter();
     let nodes: usize = arguments.next().map_or(Ok(150), |text| text.parse())?;
     let mut folders: Vec<PathBuf> = arguments.map(PathBuf::from).collect();
     if folders.is_empty() {
-        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
         folders =
             ["dancer", "liam", "tshirt_turn"].map(|name| PathBuf::from(data).join(name)).into();
         folders.retain(|folder| folder.exists());

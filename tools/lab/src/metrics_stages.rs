@@ -1,13 +1,11 @@
 //! What each stage of MSDM2 and the closest points cost, in CPU milliseconds, fastest of ten runs:
-//! `cargo run --release --example metrics_stages -- [REFERENCE OTHER]`.
+//! `cargo run --release -p kn-lab -- metrics-stages [REFERENCE OTHER]`.
 //!
 //! Without arguments two frames of the performer are compared.
 
-#[path = "common/clock.rs"]
-mod clock;
-
-use clock::cpu_seconds;
-use std::error::Error;
+use crate::clock::cpu_seconds;
+use anyhow::Result;
+use std::path::Path;
 use std::time::Instant;
 
 use kn_io::{ReadOptions, read_mesh};
@@ -18,8 +16,8 @@ const RUNS: usize = 10;
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let [a, b] = meshes()?;
+pub(crate) fn run(arguments: &[String]) -> Result<()> {
+    let [a, b] = meshes(arguments)?;
     println!("{} and {} vertices, {} threads", a.0.len(), b.0.len(), rayon::current_num_threads());
     println!("stage                      CPU ms   wall ms");
     let surface = |mesh: &Mesh| Msdm2Surface::new(&mesh.0, &mesh.1, DEFAULT_LEVELS);
@@ -36,10 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn meshes() -> Result<[Mesh; 2], Box<dyn Error>> {
-    let paths: Vec<_> = std::env::args_os().skip(1).collect();
-    let meshes = if let [a, b] = &paths[..] {
-        let read = |path| read_mesh(std::path::Path::new(path), &ReadOptions::default());
+fn meshes(arguments: &[String]) -> Result<[Mesh; 2]> {
+    let meshes = if let [a, b] = arguments {
+        let read = |path: &String| read_mesh(Path::new(path), &ReadOptions::default());
         [read(a)?.mesh, read(b)?.mesh]
     } else {
         let performer = Performer::new(PerformerConfig::default())?;

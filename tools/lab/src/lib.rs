@@ -1,0 +1,3 @@
+//! What the measuring programs share with the benches.
+
+pub mod ring;
