@@ -1,5 +1,5 @@
-//! Intra coding of scans: bytes and time of every sequence at 10, 11 and 12 bits. Without `../shared`
-//! it takes the synthetic performer. Where Draco's library is installed a table beside Draco comes
+//! Intra coding of scans: bytes and time of every sequence at 10, 11 and 12 bits. Without them
+//! (`docs/data.md`) it takes the synthetic performer. Where Draco's library is installed a table beside Draco comes
 //! first; `cargo bench --bench intra -- NOTHING` prints only that.
 
 #[cfg(unix)]
@@ -9,18 +9,16 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::{Grid, GridMesh, Mesh};
 use kn_performer::{Performer, PerformerConfig};
+use kn_testdata::data;
 use std::path::{Path, PathBuf};
 
 const BITS: [u32; 3] = [10, 11, 12];
 const LIMITS: IntraLimits = IntraLimits { max_vertices: 1 << 20, max_faces: 1 << 21 };
 
 fn scans() -> Vec<PathBuf> {
-    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
-    ["dancer/frame_0004", "mitch/frame_0000", "liam/frame_0000", "tshirt_turn/frame_0000"]
-        .map(|name| data.join(name).with_extension("obj"))
-        .into_iter()
-        .filter(|path| path.exists())
-        .collect()
+    let first = [("dancer", 4), ("mitch", 0), ("liam", 0), ("tshirt_turn", 0)];
+    let file = |(name, frame)| Some(data(name)?.join(format!("frame_{frame:04}.obj")));
+    first.into_iter().filter_map(file).collect()
 }
 
 /// The first three numbers of every line that starts with `word`.

@@ -214,12 +214,9 @@ fn a_regular_mesh_stays_within_the_density_that_decoders_accept() {
     round_trip(&mesh_of(positions.collect(), sheet(n, [false, false])));
 }
 
-fn shared(folder: &str) -> Option<Vec<PathBuf>> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(folder);
-    let Ok(entries) = std::fs::read_dir(path) else {
-        eprintln!("skipped: ../shared is absent");
-        return None;
-    };
+/// The OBJ files of a measured sequence.
+fn scans(folder: &str) -> Option<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(kn_testdata::data(folder)?).expect("a folder");
     let mut files: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "obj"));
     files.sort();
@@ -249,7 +246,7 @@ fn read_grid_mesh(path: &Path) -> GridMesh {
 
 #[test]
 fn all_raw_captures_come_back() {
-    for file in shared("punch_dirty").unwrap_or_default() {
+    for file in scans("punch_dirty").unwrap_or_default() {
         round_trip(&read_grid_mesh(&file));
     }
 }
@@ -272,7 +269,7 @@ fn smooth_labels(mesh: &mut GridMesh) {
 #[test]
 fn scans_come_back() {
     for folder in ["dancer", "mitch", "liam", "tshirt_turn"] {
-        for file in shared(folder).unwrap_or_default().iter().step_by(5) {
+        for file in scans(folder).unwrap_or_default().iter().step_by(5) {
             round_trip(&read_grid_mesh(file));
         }
     }
@@ -302,7 +299,7 @@ fn clean_labels_cost_next_to_nothing() {
 
 #[test]
 fn ragged_labels_cost_little() {
-    for file in shared("tshirt_turn").unwrap_or_default().iter().step_by(8) {
+    for file in scans("tshirt_turn").unwrap_or_default().iter().step_by(8) {
         let mut mesh = read_grid_mesh(file);
         // The true labels' borders are ragged: one vertex in eight along them disagrees with most
         // of its neighbours.

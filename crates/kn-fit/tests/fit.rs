@@ -253,15 +253,11 @@ fn inconsistent_input_is_an_error() {
 
 #[test]
 fn dirty_scans_are_followed() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/punch_dirty");
+    let Some(folder) = kn_testdata::data("punch_dirty") else { return };
     let read = |frame: u32| {
-        let path = std::path::PathBuf::from(format!("{folder}/frame_{frame:04}.obj"));
+        let path = folder.join(format!("frame_{frame:04}.obj"));
         kn_io::read_mesh(&path, &kn_io::ReadOptions::default()).expect("an OBJ").mesh
     };
-    if !std::path::Path::new(folder).exists() {
-        eprintln!("skipped: ../shared is absent");
-        return;
-    }
     for frame in [0, 7, 15] {
         let (source, target) = (read(frame), read(frame + 1));
         let result = register(

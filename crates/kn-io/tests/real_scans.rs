@@ -2,18 +2,8 @@
 
 use kn_io::{Inputs, LabelSource, ReadOptions, read_mesh};
 use kn_mesh::CleanReport;
-use std::path::{Path, PathBuf};
-
-const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-
-fn data(folder: &str) -> Option<PathBuf> {
-    let folder = Path::new(DATA).join(folder);
-    if !folder.is_dir() {
-        eprintln!("skipped: ../shared is absent");
-        return None;
-    }
-    Some(folder)
-}
+use kn_testdata::data;
+use std::path::Path;
 
 /// `(vertices, faces)` by counting lines.
 fn line_counts(path: &Path) -> (usize, usize) {
@@ -69,8 +59,8 @@ fn labels_come_with_their_frames() {
 
 #[test]
 fn oracle_meshes_read_as_off() {
-    let Some(folder) = data("../oracle/meshes") else { return };
-    for file in std::fs::read_dir(folder).expect("folder") {
+    let Some(folder) = kn_testdata::oracle() else { return };
+    for file in std::fs::read_dir(folder.join("meshes")).expect("folder") {
         let path = file.expect("entry").path();
         let mesh = read_mesh(&path, &ReadOptions::default()).expect("readable").mesh;
         let text = std::fs::read_to_string(&path).expect("readable");

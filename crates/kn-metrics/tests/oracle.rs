@@ -1,7 +1,7 @@
-//! All mesh pairs of `../shared/oracle` against the values of independent reference programs.
+//! All mesh pairs of the oracle (`docs/data.md`) against the values of independent reference programs.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2, Msdm2Surface, PointCloud, TriangleTree, msdm2, p2s,
@@ -9,15 +9,6 @@ use kn_metrics::{
 };
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-fn oracle() -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/oracle"));
-    if !path.is_dir() {
-        eprintln!("skipped: ../shared is absent");
-        return None;
-    }
-    Some(path.to_owned())
-}
 
 /// An OFF file of triangles.
 fn read_off(path: &Path) -> Mesh {
@@ -125,7 +116,7 @@ fn expected(rows: &[HashMap<String, String>], index: usize) -> &HashMap<String, 
 
 #[test]
 fn msdm2_gives_the_oracle_values() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = kn_testdata::oracle() else { return };
     let rows = rows(&folder);
     assert_eq!(rows.len(), 44);
     let mut failures = Vec::new();
@@ -162,7 +153,7 @@ fn is_near(found: f64, expected: f64, tolerance: f64) -> bool {
 
 #[test]
 fn point_metrics_give_the_oracle_values() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = kn_testdata::oracle() else { return };
     let mut failures = Vec::new();
     for row in rows(&folder) {
         let [a, b] = ["A", "B"].map(|column| read_off(&folder.join(&row[column])));

@@ -75,15 +75,11 @@ fn a_held_ball_is_no_hand() {
 #[test]
 fn finds_the_parts_of_the_simulated_capture() {
     use kn_io::{LabelSource, ReadOptions, read_mesh};
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/tshirt_turn");
-    if !std::path::Path::new(folder).exists() {
-        eprintln!("skipped: ../shared is absent");
-        return;
-    }
+    let Some(folder) = kn_testdata::data("tshirt_turn") else { return };
     let mut segmenter = Segmenter::new(SegmentOptions::default());
     let mut sum = 0.0;
     for i in 0..24 {
-        let path = format!("{folder}/frame_{i:04}");
+        let path = format!("{}/frame_{i:04}", folder.display());
         let labels = LabelSource::File(format!("{path}.labels").into());
         let options = ReadOptions { labels, ..ReadOptions::default() };
         let mesh = read_mesh(format!("{path}.obj").as_ref(), &options).unwrap().mesh;

@@ -4,7 +4,7 @@
 //!
 //! Every folder of `frame_0000.obj` files is coded twice in groups of eight frames, 11 bits, rigid
 //! nodes and no labels: with nodes by farthest points and with generated ones. Without folders:
-//! `dancer`, `liam` and `tshirt_turn` of `../shared/data`. P2S is the mean of both directions' RMS,
+//! `dancer`, `liam` and `tshirt_turn` of `KN_DATA` (`docs/data.md`). P2S is the mean of both directions' RMS,
 //! in 1e-4 of the diagonal of the box of all frames.
 
 use crate::coding::{Surface, code, without_choices};
@@ -23,10 +23,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     let nodes: usize = arguments.next().map_or(Ok(150), |text| text.parse())?;
     let mut folders: Vec<PathBuf> = arguments.map(PathBuf::from).collect();
     if folders.is_empty() {
-        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-        folders =
-            ["dancer", "liam", "tshirt_turn"].map(|name| PathBuf::from(data).join(name)).into();
-        folders.retain(|folder| folder.exists());
+        folders.extend(["dancer", "liam", "tshirt_turn"].into_iter().filter_map(kn_testdata::data));
     }
     println!("group | farthest: P2S, MSDM2, bytes | generated: P2S, MSDM2, bytes | gain of P2S");
     for folder in folders {

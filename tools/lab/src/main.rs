@@ -91,7 +91,7 @@ const PROGRAMS: &[Program] = &[
     },
     Program {
         name: "ties",
-        arguments: "FOLDER",
+        arguments: "",
         about: "change of MSDM2 with the order of faces, on the oracle's pairs",
         run: ties::run,
     },

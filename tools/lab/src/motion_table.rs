@@ -5,7 +5,7 @@
 //! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one group: an
 //! I-frame at 11 bits and P-frames that are chained. Body parts come from the segmenter. Distances
 //! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
-//! 11 of `../shared/data/dancer`, and where that is absent a few of the performer.
+//! 11 of the sequence dancer (`docs/data.md`), and where that is absent a few of the performer.
 
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result, ensure};
@@ -15,7 +15,7 @@ use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
 use kn_performer::{Performer, PerformerConfig};
 use kn_segment::{SegmentOptions, Segmenter, TORSO};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Area-uniform samples on each surface.
 const SAMPLES: usize = 100_000;
@@ -53,11 +53,12 @@ fn settings() -> Vec<Setting> {
 }
 
 pub(crate) fn run(arguments: &[String]) -> Result<()> {
-    let dancer = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/dancer"));
     let (frames, bounds) = match arguments {
         [folder, first, count] => read(folder.into(), first.parse()?, count.parse()?)?,
-        [] if dancer.exists() => read(dancer.into(), 4, 8)?,
-        [] => performer()?,
+        [] => match kn_testdata::data("dancer") {
+            Some(dancer) => read(dancer, 4, 8)?,
+            None => performer()?,
+        },
         _ => anyhow::bail!("usage: motion-table [FOLDER FIRST COUNT]"),
     };
     let mut segmenter = Segmenter::new(SegmentOptions::default());

@@ -2,7 +2,7 @@
 //!
 //! `cargo build --release && cargo run --release -p kn-lab -- registration-table [RUNS]`
 //!
-//! Every pair of `../shared/data/pairs` is registered by the whole process, with the number of
+//! Every pair of `KN_DATA/pairs` (`docs/data.md`) is registered by the whole process, with the number of
 //! nodes of `spare_coarse_r5`, so many times (3). In brackets stands what is asked for: of the
 //! distances (1e-4 of the diagonal) the better of `spare_coarse_r5` and `proto_q4` on that pair, of
 //! CPU seconds a third of the former's, at most half a second, of the growth from 10 k to 40 k
@@ -43,15 +43,12 @@ struct Measured {
 pub(crate) fn run(arguments: &[String]) -> Result<()> {
     let runs = arguments.first().map_or(Ok(3), |text| text.parse())?;
     let scratch = tempfile::tempdir()?;
-    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared"));
-    if shared.exists() {
+    if let Some(folder) = kn_testdata::data("pairs") {
         println!("| pair | nodes | s2t | t2s | truth | steps | CPU s | wall / CPU | stretch |");
         println!("|---|---|---|---|---|---|---|---|---|");
-        for pair in pairs(shared)? {
+        for pair in pairs(&folder)? {
             print_pair(&pair, &register(&pair.folder, pair.nodes, runs, scratch.path())?);
         }
-    } else {
-        println!("{} is absent: no pairs beside the peers", shared.display());
     }
     let [small, large] = [10_000, 40_000].map(|vertices| -> Result<f64> {
         let folder = scratch.path().join(vertices.to_string());
@@ -64,8 +61,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
 }
 
 /// The pairs with their bounds.
-fn pairs(shared: &Path) -> Result<Vec<Pair>> {
-    let table = std::fs::read_to_string(shared.join("peers/registration.csv"))?;
+fn pairs(folder: &Path) -> Result<Vec<Pair>> {
+    let table = std::fs::read_to_string(kn_testdata::peers("registration.csv"))?;
     let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().context("an empty table")?;
     let column = |name: &str| head.iter().position(|title| *title == name).context("a column");
@@ -80,7 +77,7 @@ fn pairs(shared: &Path) -> Result<Vec<Pair>> {
         let [s2t, t2s, truth] = DISTANCES.map(best);
         pairs.push(Pair {
             name: row[0].into(),
-            folder: shared.join("data/pairs").join(row[0]),
+            folder: folder.join(row[0]),
             nodes: number(row, "nodes")? as usize,
             distances: [s2t?, t2s?, truth?],
             cpu: (number(row, "cpu_s_min")? / 3.0).min(0.5),

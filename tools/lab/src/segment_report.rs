@@ -3,7 +3,7 @@
 //!     cargo run --release -p kn-lab -- segment-report [FRAMES [VERTICES [NAME]]]
 //!
 //! Runs on sequences of the performer (all, or those whose name holds NAME), and on
-//! `../shared/data/tshirt_turn` where it exists. Frames below 85 % are named.
+//! the sequence tshirt_turn where it exists (`docs/data.md`). Frames below 85 % are named.
 
 use anyhow::Result;
 use kn_io::{LabelSource, ReadOptions, read_mesh};
@@ -24,10 +24,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     {
         report_performer(name, config, frames)?;
     }
-    let capture =
-        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/tshirt_turn"));
-    let wanted = capture.exists() && "tshirt_turn".contains(chosen);
-    if wanted { report_capture(capture) } else { Ok(()) }
+    let wanted = "tshirt_turn".contains(chosen);
+    let capture = if wanted { kn_testdata::data("tshirt_turn") } else { None };
+    capture.map_or(Ok(()), |folder| report_capture(&folder))
 }
 
 fn sequences(vertices: usize) -> Vec<(&'static str, PerformerConfig)> {

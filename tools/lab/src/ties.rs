@@ -1,8 +1,8 @@
 //! How far MSDM2 moves when nothing but the order of faces or the place in space changes, for the
 //! oracle's pairs that are not within its tolerances:
-//! `cargo run --release -p kn-lab -- ties ../shared/oracle`.
+//! `cargo run --release -p kn-lab -- ties`. `docs/data.md` says what the oracle is.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::path::Path;
 
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
@@ -22,12 +22,13 @@ const PAIRS: [(&str, &str, [f64; 2]); 6] = [
 ];
 
 pub(crate) fn run(arguments: &[String]) -> Result<()> {
-    let folder = arguments.first().context("usage: ties FOLDER, the folder of the oracle")?;
+    ensure!(arguments.is_empty(), "usage: ties");
+    let Some(folder) = kn_testdata::oracle() else { return Ok(()) };
     println!(
         "pair, interpolation: reference | ours | over {ORDERS} orders | over {ORDERS} motions"
     );
     for (name, original, reference) in PAIRS {
-        let read = |name: &str| read_off(&Path::new(&folder).join(format!("meshes/{name}.off")));
+        let read = |name: &str| read_off(&folder.join(format!("meshes/{name}.off")));
         let (a, b) = (read(original)?, read(name)?);
         let step = 0.01 * a.0.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (interpolation, reference) in

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::direction::Scratch;
 use super::machine::Baseline;
@@ -255,15 +255,6 @@ fn the_machine_does_not_matter() {
     assert!(samples > 50 * b.positions.len(), "neighbourhoods of several waves");
 }
 
-fn oracle() -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/oracle"));
-    if !path.is_dir() {
-        eprintln!("skipped: ../shared is absent");
-        return None;
-    }
-    Some(path.to_owned())
-}
-
 fn read_off(path: &Path) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let text = std::fs::read_to_string(path).unwrap();
     let mut words = text.split_ascii_whitespace().skip(1);
@@ -312,7 +303,7 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
 
 #[test]
 fn stages_agree_with_the_oracle() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = kn_testdata::oracle() else { return };
     for (original, distorted) in [("sph642", "sph642_noise_n_0p01"), ("spot", "spot_simp20")] {
         let mesh = |name: &str| surface(&read_off(&folder.join(format!("meshes/{name}.off"))));
         let (a, b) = (mesh(original), mesh(distorted));
@@ -377,7 +368,7 @@ fn score_by(original: &Msdm2Surface, distorted: &Msdm2Surface, choice: Choice) -
 /// move it to both sides of the reference's.
 #[test]
 fn ties_explain_what_differs_from_the_oracle() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = kn_testdata::oracle() else { return };
     for (name, original, reference) in [
         ("spot_translate_2", "spot", [0.629485074744, 0.619921572217]),
         ("spot_rot90", "spot", [0.639561726432, 0.643696741663]),
