@@ -2,7 +2,7 @@
 //! oracle's pairs that are not within its tolerances:
 //! `cargo run --release -p kn-lab -- ties`. `docs/data.md` says what the oracle is.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use std::path::Path;
 
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
