@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use kn_conform::{Expected, Spec, branches, coverage, coverage_page, load_corpus};
+use kn_conform::{Expected, Spec, load_corpus};
+use kn_corpus::coverage::{branches, coverage, coverage_page};
 
 fn spec_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("spec")

@@ -4,8 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use kn_conform::tables::{Table, cauchy_source, levels_source};
+use kn_conform::tables::Table;
 use kn_conform::{Spec, load_corpus, stream_trace};
+use kn_corpus::rust_tables::{cauchy_source, levels_source};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -19,9 +20,9 @@ fn read(path: impl AsRef<Path>) -> String {
 #[test]
 fn rust_tables_are_generated_from_the_csv() {
     let generated = cauchy_source(&read("spec/tables/cauchy_huffman.csv")).expect("a table");
-    assert!(generated == read("crates/kn-bitstream/src/tables/cauchy.rs"), "run generate_tables");
+    assert!(generated == read("crates/kn-bitstream/src/tables/cauchy.rs"), "run kn-corpus tables");
     let generated = levels_source(&read("spec/tables/levels.csv")).expect("a table");
-    assert!(generated == read("crates/kn-bitstream/src/tables/levels.rs"), "run generate_tables");
+    assert!(generated == read("crates/kn-bitstream/src/tables/levels.rs"), "run kn-corpus tables");
 }
 
 #[test]

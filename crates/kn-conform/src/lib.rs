@@ -3,7 +3,6 @@
 mod assemble;
 mod bits;
 mod corpus;
-mod coverage;
 mod environment;
 mod foreign;
 mod huffman;
@@ -24,7 +23,6 @@ pub use corpus::{
     CorpusError, Description, FOLDERS, Outcome, Report, Stream, Verdict, judge, load_corpus,
     run_ours, run_ours_on,
 };
-pub use coverage::{Branch, Covered, branches, coverage, coverage_page};
 pub use foreign::run_foreign;
 pub use interpret::NodeLabels;
 pub use labels::node_labels;

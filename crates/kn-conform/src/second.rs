@@ -39,7 +39,7 @@ impl Spec {
 
     /// The conditions of the syntax tables that a stream meets, as `table: condition`, and how they
     /// turn out, up to where it cannot be read.
-    pub(crate) fn branches_of(&self, stream: &[u8]) -> BTreeSet<(String, bool)> {
+    pub fn branches_of(&self, stream: &[u8]) -> BTreeSet<(String, bool)> {
         let elements = StreamElements::new(BitSource::of_file(stream), &self.codes);
         let mut interpreter = Interpreter::new(&self.syntax, &node_labels, elements);
         // What a broken stream meets before it breaks is met as well.

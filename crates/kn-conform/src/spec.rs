@@ -32,7 +32,7 @@ pub struct Rule {
     /// File name of its chapter.
     pub chapter: String,
     /// Number of its section: headings counted through all chapters.
-    pub(crate) section: usize,
+    pub section: usize,
 }
 
 impl Rule {
@@ -51,7 +51,7 @@ pub struct Example {
     /// Chapter and line, as in `02-descriptors.md:41`.
     pub place: String,
     /// Number of its section, as of rules.
-    pub(crate) section: usize,
+    pub section: usize,
     /// The table to read with, or `descriptor NAME(ARGUMENT)`.
     pub structure: String,
     /// Values that the example takes as known, such as `NodeCount`.

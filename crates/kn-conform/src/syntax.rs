@@ -86,7 +86,7 @@ impl Syntax {
     }
 
     /// All conditions, as `table: condition`, by table.
-    pub(crate) fn conditions(&self) -> Vec<String> {
+    pub fn conditions(&self) -> Vec<String> {
         fn walk(block: &[Statement], table: &str, conditions: &mut Vec<String>) {
             for statement in block {
                 match statement {

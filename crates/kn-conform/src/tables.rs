@@ -1,6 +1,4 @@
-//! The CSV tables of `spec/tables` and the Rust sources that are generated from them.
-
-use std::fmt::Write as _;
+//! The CSV tables of `spec/tables`.
 
 /// A CSV table of unsigned integers.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,49 +34,4 @@ impl Table {
         }
         Ok(Self { columns, rows })
     }
-}
-
-/// `crates/kn-bitstream/src/tables/cauchy.rs` from `cauchy_huffman.csv`.
-pub fn cauchy_source(csv: &str) -> Result<String, TableError> {
-    let table = Table::parse(csv)?;
-    let mut source = String::from(
-        "//! The Cauchy-Huffman codes. Generated from `spec/tables/cauchy_huffman.csv`: do not edit.\n\n\
-         /// Shape of one code; see [`crate::huffman::CauchyTable`].\n\
-         pub(crate) struct Shape {\n    pub(crate) max_magnitude: u32,\n    \
-         pub(crate) escape_order: u32,\n    pub(crate) escape_length: u32,\n    \
-         /// Number of symbols of length 1, 2, …, without the escape.\n    \
-         pub(crate) symbols: [u32; 24],\n}\n\n",
-    );
-    let _ = writeln!(source, "#[rustfmt::skip]");
-    let _ = writeln!(source, "pub(crate) const SHAPES: [Shape; {}] = [", table.rows.len());
-    for row in &table.rows {
-        let _ = writeln!(
-            source,
-            "    Shape {{ max_magnitude: {}, escape_order: {}, escape_length: {}, symbols: {:?} }},",
-            row[1],
-            row[2],
-            row[3],
-            &row[4..]
-        );
-    }
-    source.push_str("];\n");
-    Ok(source)
-}
-
-/// `crates/kn-bitstream/src/tables/levels.rs` from `levels.csv`.
-pub fn levels_source(csv: &str) -> Result<String, TableError> {
-    let table = Table::parse(csv)?;
-    let mut source = String::from(
-        "//! The limits of the levels. Generated from `spec/tables/levels.csv`: do not edit.\n\n\
-         use crate::level::Level;\n\n",
-    );
-    let _ = writeln!(source, "#[rustfmt::skip]");
-    let _ = writeln!(source, "pub(crate) const LEVELS: [Level; {}] = [", table.rows.len());
-    for row in &table.rows {
-        let cells = table.columns.iter().zip(row).skip(1);
-        let fields: Vec<_> = cells.map(|(column, value)| format!("{column}: {value}")).collect();
-        let _ = writeln!(source, "    Level {{ {} }},", fields.join(", "));
-    }
-    source.push_str("];\n");
-    Ok(source)
 }

@@ -1,23 +1,23 @@
 //! I-frames that tell readings of chapters 4 and 5 apart which no scan tells apart.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_bitstream::range::{
     BinaryCoder, BitModel, GammaModels, RAW_LIMIT, RangeEncoder, code_gamma,
 };
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::shapes::{
+use super::Draft;
+use super::shapes::{
     Faces, Noise, bipyramid, crowd, curled, handles, knotted, mesh, sphere, together, torus,
     turned_edges, without_vertex,
 };
-use crate::texts::{HEADER, INDEX, intra_unit, payload_of};
+use super::texts::{HEADER, INDEX, intra_unit, payload_of};
 
 /// The largest coordinate.
 const EDGE: i32 = (1 << 20) - 1;
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     Ok(vec![
         lattices()?,
         written(
@@ -91,7 +91,7 @@ pub(crate) fn groups(
     danger: &str,
     covers: &'static [&'static str],
     meshes: &[GridMesh],
-) -> Result<Draft, Box<dyn Error>> {
+) -> Result<Draft> {
     let payloads = meshes.iter().map(payload_of).collect::<Result<Vec<_>, _>>()?;
     let labelled = meshes.iter().all(|mesh| !mesh.labels.is_empty());
     Ok(frames(name, danger, covers, &payloads, labelled))
@@ -210,7 +210,7 @@ fn flat() -> Vec<GridMesh> {
 }
 
 /// A lattice as the encoder finds it, and one that it never would.
-fn lattices() -> Result<Draft, Box<dyn Error>> {
+fn lattices() -> Result<Draft> {
     let heights = |i: u32, j: u32| (3 * i + 5 * j + i * j) % 20;
     let at = |v: u32| [v / 20, heights(v / 20, v % 20), v % 20].map(|x| 5 * x as i32 - 31);
     let quads = (0..19).flat_map(|i| (0..19).map(move |j| 20 * i + j));

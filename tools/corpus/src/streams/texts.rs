@@ -1,6 +1,6 @@
 //! Texts of streams, by hand and by editing.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_codec::digest::positions_digest;
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
@@ -128,7 +128,7 @@ pub(crate) fn knotted() -> GridMesh {
 }
 
 /// The coded mesh.
-pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>, Box<dyn Error>> {
+pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>> {
     let mut payload = Vec::new();
     encode_intra(mesh, &mut payload)?;
     Ok(payload)
@@ -143,7 +143,7 @@ pub(crate) fn intra_unit(payload: &[u8]) -> String {
 }
 
 /// The digest of a mesh's positions as they are decoded, in decoded order, with 8 fraction bits.
-pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64, Box<dyn Error>> {
+pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64> {
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();
     decode_intra(&payload_of(mesh)?, &limits, &mut IntraDecoder::default(), &mut decoded)?;
@@ -208,7 +208,7 @@ scale = 2 -1 1
 pub(crate) const INDEX: &str = "\nunit_type = 5\n";
 
 /// A whole sound stream of two frames by hand: a strip of 16 vertices, head and torso.
-pub(crate) fn by_hand() -> Result<Text, Box<dyn Error>> {
+pub(crate) fn by_hand() -> Result<Text> {
     let intra = intra_unit(&payload_of(&strip(8, Some([0, 7])))?);
     Ok(Text::new(&format!("{HEADER}{intra}{NODES}{MOTION}{INDEX}")))
 }

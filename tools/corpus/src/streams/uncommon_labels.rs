@@ -1,16 +1,16 @@
 //! I-frames where the fit along a border between labels (5.6) hangs on one of its limits.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::shapes::{
+use super::Draft;
+use super::shapes::{
     Faces, Noise, bipyramid, curled, hubs, knotted_at, mesh, pillow, sphere, together, torus,
 };
-use crate::uncommon_meshes::{groups, noise_labels};
+use super::uncommon_meshes::{groups, noise_labels};
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     Ok(vec![
         groups(
             "label_hubs",

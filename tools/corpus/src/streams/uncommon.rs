@@ -1,15 +1,15 @@
 //! Streams that the syntax allows and encoders seldom write.
 
-use std::error::Error;
+use anyhow::Result;
 
-use crate::Draft;
+use super::Draft;
 use kn_mesh::GridMesh;
 
-use crate::texts::{
+use super::texts::{
     HEADER, INDEX, MOTION, NODES, Text, by_hand, intra_unit, knotted, payload_of, strip,
 };
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     let base = by_hand()?;
     let mut drafts = Vec::new();
     let mut add = |name: &str, danger: &str, covers, text: Text| {
@@ -263,7 +263,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
 }
 
 /// Nine nodes without labels, each a neighbour of the topmost: a layer about (56, 0).
-fn ring_of_nodes() -> Result<Text, Box<dyn Error>> {
+fn ring_of_nodes() -> Result<Text> {
     // (x, z) from the centre; the top is the last, so that its index decides nothing.
     let layer = [[-48, 0], [32, 0], [16, 0], [0, 0], [-16, -16], [16, -16], [16, 16], [-16, 16]];
     let mut points: Vec<[i32; 3]> = layer.iter().map(|[x, z]| [56 + x, 8, *z]).collect();

@@ -1,14 +1,14 @@
 //! Streams that break one rule each, made from a sound one.
 
-use std::error::Error;
+use anyhow::Result;
 
-use crate::Draft;
-use crate::texts::{Text, by_hand, payload_of, positions_digest_of, strip};
+use super::Draft;
+use super::texts::{Text, by_hand, payload_of, positions_digest_of, strip};
 
 /// A name, the rule that it breaks, the mistake that it catches, and the edits.
 type Fault = (&'static str, &'static str, &'static str, fn(Text) -> Text);
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     // Affine nodes marked one by one: labels would need a sound header.
     let base = by_hand()?.set("affine_mode", 0, "3").without("affine_label", 0).after(
         "node_vertex_gap",

@@ -1,20 +1,20 @@
 //! I-frames whose smoothing (8.5) hangs on which vertices have neighbours, or on a last bit.
 
-use std::error::Error;
+use anyhow::Result;
 
-use crate::Draft;
-use crate::shapes::{Noise, curled, knotted, mesh, sphere, together, torus, without_vertex};
-use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
+use super::Draft;
+use super::shapes::{Noise, curled, knotted, mesh, sphere, together, torus, without_vertex};
+use super::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 
 /// Of each frame the size, the noise and the strength.
 const FRAMES: [(f64, i32, u8); 5] =
     [(9.0, 0, 1), (900.0, 3, 2), (3000.0, 400, 3), (1e6, 40_000, 4), (40.0, 1, 5)];
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     [8, 1].into_iter().map(stream).collect()
 }
 
-fn stream(fraction_bits: u8) -> Result<Draft, Box<dyn Error>> {
+fn stream(fraction_bits: u8) -> Result<Draft> {
     let mut text = Text::new(HEADER)
         .set("fraction_bits", 0, &fraction_bits.to_string())
         .set("label_set", 0, "0")

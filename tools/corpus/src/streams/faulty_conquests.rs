@@ -2,9 +2,9 @@
 //!
 //! Decisions are written as in 4.4, found by a search over those that a decoder without the check takes.
 
-use crate::Draft;
-use crate::decisions::{payload, section};
-use crate::faulty_meshes::draft;
+use super::Draft;
+use super::decisions::{payload, section};
+use super::faulty_meshes::draft;
 
 /// A mesh with all of its vertices in the origin.
 struct Conquest {

@@ -1,13 +1,13 @@
 //! Paths over nodes on a lattice: ties of height, distance, product and angle everywhere.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::shapes::Noise;
-use crate::texts::{HEADER, INDEX, Text};
-use crate::uncommon_motion::{Motion, Scene};
+use super::Draft;
+use super::shapes::Noise;
+use super::texts::{HEADER, INDEX, Text};
+use super::uncommon_motion::{Motion, Scene};
 
 /// A stream: its name, `up_axis`, `label_set` and the spacing of the lattice.
 const STREAMS: [(&str, u8, u8, i32); 4] = [
@@ -20,13 +20,11 @@ const STREAMS: [(&str, u8, u8, i32); 4] = [
 /// A label in whose region there is no node.
 const WITHOUT_NODES: u8 = 14;
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     STREAMS.map(stream).into_iter().collect()
 }
 
-fn stream(
-    (name, up_axis, label_set, spacing): (&str, u8, u8, i32),
-) -> Result<Draft, Box<dyn Error>> {
+fn stream((name, up_axis, label_set, spacing): (&str, u8, u8, i32)) -> Result<Draft> {
     let mut noise = Noise::new(31 + u64::from(up_axis) + 3 * u64::from(label_set));
     let mut header = Text::new(HEADER)
         .set("fraction_bits", 0, "4")

@@ -1,16 +1,17 @@
 //! Flips every number of `spec/tables` and of kn-deform, one at a time, and counts those that no
-//! test notices: `cargo run --release -p kn-conform --example flip_constants`.
+//! test notices: `cargo run --release -p kn-corpus -- flip`.
 //!
 //! A table's number is flipped in its CSV, and noticed where the Rust table is another then. A
 //! number of kn-deform is flipped in a copy of the workspace in `target/flip`, and noticed where the
 //! crate does not build or its tests fail. `--list` prints the numbers and flips none; a number N
 //! begins at the Nth, to go on where a run was ended.
 
-use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
-use kn_conform::tables::{Table, cauchy_source, levels_source};
+use anyhow::{Result, bail, ensure};
+use kn_conform::tables::{Table, TableError};
+use kn_corpus::rust_tables::{cauchy_source, levels_source};
 
 /// Numbers that no result depends on, by what stands in their line and which of it, all where that is
 /// empty.
@@ -45,9 +46,8 @@ struct Literal {
     text: String,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let argument = std::env::args().nth(1).unwrap_or_default();
-    let root = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+/// Flips the constants of the checkout at `root`.
+pub(crate) fn run(root: &Path, argument: &str) -> Result<()> {
     let literals = literals(&root.join("crates/kn-deform/src"))?;
     if argument == "--list" {
         for (number, literal) in literals.iter().enumerate() {
@@ -67,15 +67,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         cauchy.1 + levels.1
     );
     let first = argument.parse().unwrap_or(0);
-    let survivors = flip_sources(&root, &literals, first)?;
+    let survivors = flip_sources(root, &literals, first)?;
     println!("kn-deform: {} numbers flipped, {survivors} not noticed", literals.len() - first);
-    if survivors + cauchy.1 + levels.1 == 0 { Ok(()) } else { Err("some are not noticed".into()) }
+    ensure!(survivors + cauchy.1 + levels.1 == 0, "some are not noticed");
+    Ok(())
 }
 
-type Source = fn(&str) -> Result<String, kn_conform::tables::TableError>;
+type Source = fn(&str) -> Result<String, TableError>;
 
 /// Numbers of a CSV table, and how many of them can be flipped with the same Rust table.
-fn flip_table(csv: &Path, rust: &Path, source: Source) -> Result<(usize, usize), Box<dyn Error>> {
+fn flip_table(csv: &Path, rust: &Path, source: Source) -> Result<(usize, usize)> {
     let (text, rust) = (std::fs::read_to_string(csv)?, std::fs::read_to_string(rust)?);
     let table = Table::parse(&text)?;
     let (mut count, mut survivors) = (0, 0);
@@ -97,7 +98,7 @@ fn flip_table(csv: &Path, rust: &Path, source: Source) -> Result<(usize, usize),
 }
 
 /// The numbers outside comments and tests.
-fn literals(folder: &Path) -> Result<Vec<Literal>, Box<dyn Error>> {
+fn literals(folder: &Path) -> Result<Vec<Literal>> {
     let mut literals = Vec::new();
     let mut files = std::fs::read_dir(folder)?
         .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
@@ -171,14 +172,16 @@ fn flipped(text: &str) -> String {
 }
 
 /// How many of the numbers from `first` on no test notices.
-fn flip_sources(root: &Path, literals: &[Literal], first: usize) -> Result<usize, Box<dyn Error>> {
+fn flip_sources(root: &Path, literals: &[Literal], first: usize) -> Result<usize> {
     let copy = root.join("target/flip");
     std::fs::create_dir_all(copy.join("workspace"))?;
-    for name in ["Cargo.toml", "Cargo.lock", "crates", "tests", "benches", "examples", "spec"] {
+    for name in
+        ["Cargo.toml", "Cargo.lock", "crates", "tests", "benches", "examples", "spec", "tools"]
+    {
         copy_all(&root.join(name), &copy.join("workspace").join(name))?;
     }
     if !passes(&copy)? {
-        return Err("the tests fail before anything is flipped".into());
+        bail!("the tests fail before anything is flipped");
     }
     let mut survivors = 0;
     for (number, literal) in literals.iter().enumerate().skip(first) {
@@ -199,11 +202,11 @@ fn flip_sources(root: &Path, literals: &[Literal], first: usize) -> Result<usize
 }
 
 /// Whether the unit tests pass and, which costs a second build, the others.
-fn passes(copy: &Path) -> Result<bool, Box<dyn Error>> {
+fn passes(copy: &Path) -> Result<bool> {
     Ok(tests_pass(copy, "--lib")? && tests_pass(copy, "--test=*")?)
 }
 
-fn tests_pass(copy: &Path, which: &str) -> Result<bool, Box<dyn Error>> {
+fn tests_pass(copy: &Path, which: &str) -> Result<bool> {
     let status = Command::new("cargo")
         .args(["test", "--quiet", "--package", "kn-deform", which, "--target-dir"])
         .arg(copy.join("target"))
@@ -216,7 +219,7 @@ fn tests_pass(copy: &Path, which: &str) -> Result<bool, Box<dyn Error>> {
     Ok(status.success())
 }
 
-fn copy_all(from: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
+fn copy_all(from: &Path, to: &Path) -> Result<()> {
     if !from.is_dir() {
         std::fs::copy(from, to)?;
         return Ok(());

@@ -1,19 +1,19 @@
 //! Streams whose I-frame is broken. What they are made of is sound but for the rule that they break,
 //! so that a decoder which does not check it decodes them.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::decisions::{Decisions, payload, section};
-use crate::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
-use crate::uncommon_meshes::lattice_payload;
+use super::Draft;
+use super::decisions::{Decisions, payload, section};
+use super::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
+use super::uncommon_meshes::lattice_payload;
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     let plain = payload_of(&strip(8, None))?;
     let lists = [headers(&plain), sections(&plain)?, lattices(), levels(), labels(&plain)?];
-    Ok([lists.concat(), crate::faulty_conquests::drafts(), vec![nodes_on_nothing()?]].concat())
+    Ok([lists.concat(), super::faulty_conquests::drafts(), vec![nodes_on_nothing()?]].concat())
 }
 
 /// Places of the numbers in the header of a small mesh: each below 128, a byte.
@@ -72,7 +72,7 @@ fn headers(plain: &[u8]) -> Vec<Draft> {
     ]
 }
 
-fn sections(plain: &[u8]) -> Result<Vec<Draft>, Box<dyn Error>> {
+fn sections(plain: &[u8]) -> Result<Vec<Draft>> {
     let consumed = "intra.sections.consumed";
     let size = "intra.sections.size";
     let in_origin = "is_zero=1 ".repeat(3);
@@ -196,7 +196,7 @@ fn many_faces(pairs: u32) -> Vec<u8> {
     )
 }
 
-fn labels(plain: &[u8]) -> Result<Vec<Draft>, Box<dyn Error>> {
+fn labels(plain: &[u8]) -> Result<Vec<Draft>> {
     let labelled = payload_of(&strip(8, Some([0, 0])))?;
     let strange = payload_of(&strip(8, Some([0, 15])))?;
     let (present, range) = ("intra.labels.present", "intra.labels.range");
@@ -235,7 +235,7 @@ pub(crate) fn draft(name: &str, rule: &'static str, danger: &str, payload: &[u8]
 }
 
 /// Key nodes for a mesh without vertices.
-fn nodes_on_nothing() -> Result<Draft, Box<dyn Error>> {
+fn nodes_on_nothing() -> Result<Draft> {
     let nodes = "unit_type = 3\nnode_count = 1\nnode_coding = 1\naffine_mode = 0\n\
                  node_delta_rice = 0\nnode_delta = 0 0 0\n";
     let motion = MOTION.lines().filter(|line| !line.starts_with("scale"));
@@ -255,7 +255,7 @@ fn nodes_on_nothing() -> Result<Draft, Box<dyn Error>> {
 }
 
 /// A sound payload but for what its geometry section ends with.
-fn spare_bytes() -> Result<Vec<u8>, Box<dyn Error>> {
+fn spare_bytes() -> Result<Vec<u8>> {
     let mut payload = payload_of(&strip(8, None))?;
     payload.extend([0; 16]);
     payload[GEOMETRY_SIZE] += 16;

@@ -1,4 +1,4 @@
-//! Makes `spec/conformance` anew: `cargo run --release -p kn-conform --example make_corpus`.
+//! Makes `spec/conformance` anew: `cargo run --release -p kn-corpus -- streams`.
 //!
 //! Core streams come from the encoder. Uncommon and faulty ones are texts, written here by hand or
 //! made from a sound text by a few edits, and assembled by the syntax tables. Expected frames are
@@ -20,10 +20,9 @@ mod uncommon_motion;
 mod uncommon_paths;
 mod uncommon_smoothing;
 
-use std::error::Error;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 
+use anyhow::{Result, bail};
 use kn_conform::{Description, Outcome, Spec, node_labels, run_ours_on};
 
 /// A stream to be: its text and what it is about.
@@ -37,18 +36,9 @@ struct Draft {
     covers: &'static [&'static str],
 }
 
-fn main() -> ExitCode {
-    match make() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn make() -> Result<(), Box<dyn Error>> {
-    let spec_folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../spec"));
+/// Writes the corpus of the checkout at `root`.
+pub(crate) fn write(root: &Path) -> Result<()> {
+    let spec_folder = root.join("spec");
     let spec = Spec::load(&spec_folder)?;
     let corpus = spec_folder.join("conformance");
     let folders = [
@@ -64,15 +54,15 @@ fn make() -> Result<(), Box<dyn Error>> {
         }
         std::fs::create_dir_all(&folder)?;
         for draft in drafts {
-            if let Err(error) = write(&spec, &folder, &draft) {
+            if let Err(error) = write_stream(&spec, &folder, &draft) {
                 failures.push(format!("{}: {error}", draft.name));
             }
         }
     }
-    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n").into()) }
+    if failures.is_empty() { Ok(()) } else { bail!("{}", failures.join("\n")) }
 }
 
-fn uncommon_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+fn uncommon_drafts() -> Result<Vec<Draft>> {
     let lists = [
         uncommon::drafts()?,
         uncommon_labels::drafts()?,
@@ -85,12 +75,12 @@ fn uncommon_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     Ok(lists.concat())
 }
 
-fn faulty_drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+fn faulty_drafts() -> Result<Vec<Draft>> {
     Ok([faulty::drafts()?, faulty_meshes::drafts()?, uncommon_motion::faulty()?].concat())
 }
 
 /// Writes a stream's three files, if our decoder finds of it what the draft says.
-fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>> {
+fn write_stream(spec: &Spec, folder: &Path, draft: &Draft) -> Result<()> {
     let stream = spec.assemble(&draft.text, &node_labels)?;
     let path = folder.join(&draft.name).with_extension("knm");
     std::fs::write(&path, &stream)?;
@@ -100,7 +90,7 @@ fn write(spec: &Spec, folder: &Path, draft: &Draft) -> Result<(), Box<dyn Error>
         (Outcome::Refused { rule, .. }, Some(expected)) if rule.as_deref() == Some(expected) => {
             Vec::new()
         }
-        (outcome, _) => return Err(format!("not as expected: {outcome:?}").into()),
+        (outcome, _) => bail!("not as expected: {outcome:?}"),
     };
     let stages = match draft.rule {
         None => spec.reconstruct(&stream)?.stages,

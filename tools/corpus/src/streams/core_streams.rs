@@ -1,6 +1,6 @@
 //! Streams as the encoder writes them.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_bitstream::UnitOfLength;
 use kn_codec::{
@@ -11,8 +11,8 @@ use kn_conform::{Spec, node_labels};
 use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 
-use crate::Draft;
-use crate::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
+use super::Draft;
+use super::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
 
 /// Every setting, so that no default moves the corpus.
 fn config() -> EncoderConfig {
@@ -47,17 +47,12 @@ fn config() -> EncoderConfig {
     }
 }
 
-pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     let plain = ellipsoid(9, 12);
     let mut body = plain.clone();
     label(&mut body);
     let mut drafts = Vec::new();
-    let mut add = |name: &str,
-                   danger: &str,
-                   covers,
-                   meshes: &[Mesh],
-                   config|
-     -> Result<(), Box<dyn Error>> {
+    let mut add = |name: &str, danger: &str, covers, meshes: &[Mesh], config| -> Result<()> {
         let text = encoded(spec, meshes, config)?;
         drafts.push(Draft { name: name.into(), text, danger: danger.into(), rule: None, covers });
         Ok(())
@@ -430,7 +425,7 @@ const COMBINATIONS: [(&str, &str, Combination); 8] = [
 ];
 
 /// The text of what the encoder makes of some meshes.
-fn encoded(spec: &Spec, meshes: &[Mesh], config: EncoderConfig) -> Result<String, Box<dyn Error>> {
+fn encoded(spec: &Spec, meshes: &[Mesh], config: EncoderConfig) -> Result<String> {
     let mut encoder = Encoder::new(Vec::new(), config)?;
     for mesh in meshes {
         encoder.push(mesh)?;

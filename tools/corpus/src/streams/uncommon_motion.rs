@@ -1,18 +1,18 @@
 //! P-frames whose result hangs on a weight or a rounding. Their meshes are vertices
 //! without faces.
 
-use std::error::Error;
+use anyhow::{Context, Result};
 
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::shapes::Noise;
-use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
+use super::Draft;
+use super::shapes::Noise;
+use super::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 
 /// Grid steps from the middle of the grid to its end.
 const LIMIT: i64 = 1 << 20;
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     let mut drafts = vec![largest_position()?];
     for (slots, name) in [(3, "ties_3"), (5, "ties_5"), (6, "ties_6"), (7, "ties_7")] {
         drafts.push(ties(name, slots, slots)?);
@@ -26,7 +26,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
     Ok(drafts)
 }
 
-pub(crate) fn faulty() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn faulty() -> Result<Vec<Draft>> {
     let position = Some("deform.position.range");
     let translation = Some("motion.translation.range");
     Ok(vec![
@@ -80,12 +80,12 @@ pub(crate) struct Motion {
 }
 
 impl Scene {
-    fn text(&self) -> Result<String, Box<dyn Error>> {
+    fn text(&self) -> Result<String> {
         Ok(format!("{}{}{INDEX}", self.header.clone().build(), self.group()?))
     }
 
     /// The units of a group of frames.
-    pub(crate) fn group(&self) -> Result<String, Box<dyn Error>> {
+    pub(crate) fn group(&self) -> Result<String> {
         let intra = intra_unit(&payload_of(&self.mesh)?);
         let motions: String = self.motions.iter().map(|motion| self.motion(motion)).collect();
         Ok(intra + &self.nodes_unit() + &motions)
@@ -133,7 +133,7 @@ impl Scene {
         danger: &str,
         rule: Option<&'static str>,
         covers: &'static [&'static str],
-    ) -> Result<Draft, Box<dyn Error>> {
+    ) -> Result<Draft> {
         Ok(Draft { name: name.into(), text: self.text()?, danger: danger.into(), rule, covers })
     }
 }
@@ -157,7 +157,7 @@ fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
 
 /// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes halves of odd
 /// coordinates, and translations add up to whole numbers of Q.
-fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft, Box<dyn Error>> {
+fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft> {
     let mut noise = Noise::new(slots as u64);
     let odd = |noise: &mut Noise| noise.point(3000).map(|x| 2 * x + 1);
     let positions = (0..40).map(|_| odd(&mut noise)).collect();
@@ -188,7 +188,7 @@ fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft, Box<dyn Error>>
 const LIMIT_BELOW: i64 = 8191;
 const LIMIT_EXACT: i64 = 8192;
 
-fn largest_position() -> Result<Draft, Box<dyn Error>> {
+fn largest_position() -> Result<Draft> {
     let danger = "A sum of 2^20 − 1/2 − 2^−14 steps is the largest, rounded it is 2^20 − 1; 2^20 − 1/2 is not.";
     let scene = at_the_limit(LIMIT_BELOW, |x| [x, 0, -x])?;
     scene.draft("largest_position", danger, None, LIMIT_RULES)
@@ -197,10 +197,10 @@ fn largest_position() -> Result<Draft, Box<dyn Error>> {
 const LIMIT_RULES: &[&str] = &["deform.position.range", "deform.round"];
 
 /// One node in the origin scales a vertex to the end of the grid.
-fn at_the_limit(excess: i64, corner: fn(i32) -> [i32; 3]) -> Result<Scene, Box<dyn Error>> {
+fn at_the_limit(excess: i64, corner: fn(i32) -> [i32; 3]) -> Result<Scene> {
     let goal = (LIMIT - 1) * 16384 + excess;
     let found = (LIMIT / 2..LIMIT).rev().find(|x| goal % x == 0 && goal / x < 8 * 16384);
-    let x = found.ok_or("no coordinate reaches the limit")?;
+    let x = found.context("no coordinate reaches the limit")?;
     let scale = (goal / x - 16384) as i32;
     Ok(Scene {
         header: whole_steps(1),
@@ -237,7 +237,7 @@ fn moved_across(side: i32) -> Scene {
 
 /// Regions of 1, 2, 4 and 5 nodes where 4 move a vertex; one where all are as far; one where they
 /// are closer than a step.
-fn few_nodes(name: &str, scheme: u8) -> Result<Draft, Box<dyn Error>> {
+fn few_nodes(name: &str, scheme: u8) -> Result<Draft> {
     let mut noise = Noise::new(5);
     let (mut mesh, mut nodes) = (GridMesh::default(), Vec::new());
     for (region, count) in [(0, 1), (1, 2), (2, 4), (3, 5)] {

@@ -2,16 +2,16 @@
 //! `spec/reference/search_last_bits.py`, which says why there are any: with a reading of chapter 8 that
 //! differs in one operation, one of them is rounded to another integer.
 
-use std::error::Error;
+use anyhow::Result;
 
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
 use kn_mesh::GridMesh;
 
-use crate::Draft;
-use crate::shapes::{Faces, mesh, sphere};
-use crate::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
+use super::Draft;
+use super::shapes::{Faces, mesh, sphere};
+use super::texts::{HEADER, INDEX, Text, intra_unit, payload_of};
 
-pub(crate) fn drafts() -> Result<Vec<Draft>, Box<dyn Error>> {
+pub(crate) fn drafts() -> Result<Vec<Draft>> {
     Ok(vec![last_bits()?, last_bits_of_weights()?, last_bits_of_smoothing()?])
 }
 
@@ -97,7 +97,7 @@ const SCENES: [Scene; 7] = [
     },
 ];
 
-fn last_bits() -> Result<Draft, Box<dyn Error>> {
+fn last_bits() -> Result<Draft> {
     let mut text = header(1, 0);
     for scene in &SCENES {
         text += &intra_unit(&payload_of(&cloud(scene.vertices))?);
@@ -121,7 +121,7 @@ fn last_bits() -> Result<Draft, Box<dyn Error>> {
 }
 
 /// Two pairs of nodes in opposite places move all vertices: products of 2^34 with the weights cancel.
-fn last_bits_of_weights() -> Result<Draft, Box<dyn Error>> {
+fn last_bits_of_weights() -> Result<Draft> {
     let [p, q] = [[400_003, -399_961, 300_007], [-500_029, -450_001, 410_009]];
     let nodes = [p, p.map(|c: i32| -c), q, q.map(|c: i32| -c)];
     let scene = Scene {
@@ -232,7 +232,7 @@ fn smoothed() -> [Smoothed; 2] {
     })
 }
 
-fn last_bits_of_smoothing() -> Result<Draft, Box<dyn Error>> {
+fn last_bits_of_smoothing() -> Result<Draft> {
     let mut text = header(4, 0);
     for Smoothed { faces, strength, below } in smoothed() {
         let order = decoded_order(&faces)?;
@@ -260,7 +260,7 @@ fn last_bits_of_smoothing() -> Result<Draft, Box<dyn Error>> {
 
 /// For each decoded vertex of a mesh that has these faces, the vertex that it was: the order follows
 /// from the faces alone.
-fn decoded_order(faces: &Faces) -> Result<Vec<u32>, Box<dyn Error>> {
+fn decoded_order(faces: &Faces) -> Result<Vec<u32>> {
     let probe = mesh(faces.clone(), |v| [v as i32; 3], None);
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();

@@ -1,6 +1,6 @@
 //! Makes `spec/tables/cauchy_huffman.csv` from the Cauchy density.
 //!
-//! `cargo run -p kn-conform --example cauchy_tables -- --check` compares with the file,
+//! `cargo run -p kn-corpus -- cauchy --check` compares with the file,
 //! `--write` replaces it, `--loss` prints the mean length of each code beside the entropy of the
 //! density, also for smaller and larger M. Without any of them, the table is printed.
 //!
@@ -8,31 +8,29 @@
 //! units of 2^-48; from there on all arithmetic is in integers, so the table has one right answer.
 
 use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::{Result, bail, ensure};
 
 const TABLES: i32 = 48;
 const MAX_LENGTH: usize = 24;
-const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../spec/tables/cauchy_huffman.csv");
 
-fn main() -> std::process::ExitCode {
+/// Checks, writes or prints the table of the checkout at `root`.
+pub(crate) fn run(root: &Path, option: Option<&str>) -> Result<()> {
+    let path = root.join("spec/tables/cauchy_huffman.csv");
     let text = csv();
-    match std::env::args().nth(1).as_deref() {
-        Some("--check") if std::fs::read_to_string(PATH).is_ok_and(|file| file == text) => {
-            println!("{PATH} is what the density gives");
-        }
+    match option {
+        None => print!("{text}"),
         Some("--check") => {
-            eprintln!("{PATH} differs from what the density gives");
-            return std::process::ExitCode::FAILURE;
+            let same = std::fs::read_to_string(&path)? == text;
+            ensure!(same, "{} differs from what the density gives", path.display());
+            println!("{} is what the density gives", path.display());
         }
-        Some("--write") => {
-            if let Err(error) = std::fs::write(PATH, text) {
-                eprintln!("{PATH}: {error}");
-                return std::process::ExitCode::FAILURE;
-            }
-        }
+        Some("--write") => std::fs::write(&path, text)?,
         Some("--loss") => print_loss(),
-        _ => print!("{text}"),
+        Some(other) => bail!("cauchy takes --check, --write or --loss, not {other}"),
     }
-    std::process::ExitCode::SUCCESS
+    Ok(())
 }
 
 fn csv() -> String {
