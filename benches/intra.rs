@@ -38,7 +38,7 @@ fn read_mesh(path: &Path) -> Mesh {
     let text = std::fs::read_to_string(path).expect("a readable scan");
     let positions = triples(&text, "v").into_iter().map(|v| v.map(|x| x as f32)).collect();
     let faces = triples(&text, "f").into_iter().map(|f| f.map(|i| i as u32 - 1)).collect();
-    Mesh { positions, faces, labels: Vec::new() }
+    Mesh::new(positions, faces)
 }
 
 /// The mesh on Draco's grid: the box's longest side has 2^bits − 1 steps.
@@ -47,7 +47,7 @@ fn on_grid(mesh: &Mesh, bits: u32) -> GridMesh {
     let step = bounds.longest_side() / f64::from((1u32 << bits) - 1);
     let grid = Grid { origin: bounds.min, step };
     let positions = grid.quantise(&mesh.positions).expect("inside its own box");
-    GridMesh { positions, faces: mesh.faces.clone(), labels: Vec::new() }
+    GridMesh::new(positions, mesh.faces.clone())
 }
 
 /// Least bytes and seconds of one coder.

@@ -25,7 +25,7 @@ fn tetrahedron() -> Vec<u8> {
     let positions = vec![[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]];
     let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     let mut payload = Vec::new();
-    encode_intra(&GridMesh { positions, faces, labels: vec![] }, &mut payload).expect("a mesh");
+    encode_intra(&GridMesh::new(positions, faces), &mut payload).expect("a mesh");
     payload
 }
 

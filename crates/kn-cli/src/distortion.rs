@@ -328,11 +328,7 @@ mod tests {
         let corner = |i: u32| i % n + i / n * (n + 1);
         let faces =
             (0..n * n).map(corner).flat_map(|c| [[c, c + 1, c + n + 2], [c, c + n + 2, c + n + 1]]);
-        Mesh {
-            positions: (0..(n + 1) * (n + 1)).map(position).collect(),
-            faces: faces.collect(),
-            labels: Vec::new(),
-        }
+        Mesh::new((0..(n + 1) * (n + 1)).map(position).collect(), faces.collect())
     }
 
     fn distortion(a: &Mesh, b: &Mesh) -> Distortion {

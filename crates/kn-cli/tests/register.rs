@@ -42,7 +42,7 @@ fn write_truth(scans: &Scans) {
     let performer = Performer::new(config).expect("valid settings");
     let source = performer.frame(0);
     let positions = performer.transport(&source, 0, 3);
-    let truth = Mesh { positions, faces: source.faces, labels: Vec::new() };
+    let truth = Mesh::new(positions, source.faces);
     write_mesh(&scans.path("truth.obj"), &truth).expect("written");
 }
 

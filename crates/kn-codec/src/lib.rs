@@ -19,7 +19,7 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, Finished, FrameReport, GONE, GridChoice, LabelChoice, NamePattern, NodeChoice,
+    EncoderConfig, Finished, FrameReport, GridChoice, LabelChoice, NamePattern, NodeChoice,
     NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
@@ -29,3 +29,5 @@ pub use error::EncodeError;
 pub use kn_bitstream::{TranslationMode, UnitOfLength};
 #[cfg(feature = "encode")]
 pub use kn_fit::PartStart;
+#[cfg(feature = "encode")]
+pub use kn_mesh::DROPPED;

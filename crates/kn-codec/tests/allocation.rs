@@ -41,7 +41,7 @@ fn performer() -> (GridMesh, Vec<u8>) {
     let bounds = mesh.bounding_box().expect("vertices");
     let grid = Grid { origin: bounds.min, step: bounds.longest_side() / 2047.0 };
     let positions = grid.quantise(&mesh.positions).expect("inside");
-    let mesh = GridMesh { positions, faces: mesh.faces, labels: mesh.labels };
+    let mesh = mesh.with_positions(positions);
     let mut payload = Vec::new();
     encode_intra(&mesh, &mut payload).expect("a sound mesh");
     (mesh, payload)
@@ -51,11 +51,8 @@ fn triangles_apart(count: usize) -> GridMesh {
     let corners = 0..3 * count as u32;
     let position =
         |v: u32| [(v / 3 % 200) as i32 * 9 + (v % 3) as i32, v as i32 / 600, v as i32 % 2];
-    GridMesh {
-        positions: corners.clone().map(position).collect(),
-        faces: corners.step_by(3).map(|v| [v, v + 1, v + 2]).collect(),
-        labels: Vec::new(),
-    }
+    let faces = corners.clone().step_by(3).map(|v| [v, v + 1, v + 2]).collect();
+    GridMesh::new(corners.map(position).collect(), faces)
 }
 
 #[test]

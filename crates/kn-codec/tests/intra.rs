@@ -47,10 +47,6 @@ fn round_trip(mesh: &GridMesh) -> (Vec<u8>, IntraEncoding) {
     (bytes, encoding)
 }
 
-fn mesh_of(positions: Vec<[i32; 3]>, faces: Vec<[u32; 3]>) -> GridMesh {
-    GridMesh { positions, faces, labels: Vec::new() }
-}
-
 /// A sheet of `n × n` squares, its opposite sides glued where asked: disc, annulus or torus.
 fn sheet(n: u32, wrap: [bool; 2]) -> Vec<[u32; 3]> {
     let vertex = |x: u32, y: u32| {
@@ -108,7 +104,7 @@ fn any_mesh() -> impl Strategy<Value = GridMesh> {
             };
             let mut place = || random() % (2 * scale + 1) - scale;
             let positions = (0..used + isolated).map(|_| [place(), place(), place()]).collect();
-            let mut mesh = mesh_of(positions, faces);
+            let mut mesh = GridMesh::new(positions, faces);
             if labels > 0 {
                 let count = mesh.positions.len();
                 mesh.labels = (0..count).map(|_| (random() % 256) as u8 % labels).collect();
@@ -158,7 +154,8 @@ proptest! {
 #[test]
 fn every_truncation_and_a_spare_byte_are_refused() {
     let faces = sheet(4, [true, false]);
-    let mut mesh = mesh_of((0..25).map(|i| [i % 5 * 10, i / 5 * 10, i * i % 7]).collect(), faces);
+    let mut mesh =
+        GridMesh::new((0..25).map(|i| [i % 5 * 10, i / 5 * 10, i * i % 7]).collect(), faces);
     mesh.labels = (0..25).map(|i| i as u8 / 12).collect();
     let (mut bytes, _) = round_trip(&mesh);
     for length in 0..bytes.len() {
@@ -172,7 +169,7 @@ fn every_truncation_and_a_spare_byte_are_refused() {
 fn the_report_names_what_was_cut() {
     // Three faces on one edge, a face that repeats a vertex, a vertex without a face.
     let faces = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4], [5, 5, 6]];
-    let mesh = mesh_of((0..8).map(|i| [i, i * i, 3 * i]).collect(), faces);
+    let mesh = GridMesh::new((0..8).map(|i| [i, i * i, 3 * i]).collect(), faces);
     let (_, encoding) = round_trip(&mesh);
     assert_eq!(encoding.cut_edges, 1);
     assert_eq!(encoding.raw_faces, 1);
@@ -184,9 +181,9 @@ fn the_report_names_what_was_cut() {
 #[test]
 fn empty_meshes_and_bad_input() {
     round_trip(&GridMesh::default());
-    round_trip(&mesh_of(vec![[-1_048_575, 0, 1_048_575]], vec![]));
+    round_trip(&GridMesh::new(vec![[-1_048_575, 0, 1_048_575]], vec![]));
     let refused = |mesh: &GridMesh| encode_intra(mesh, &mut Vec::new()).expect_err("refused");
-    let mut mesh = mesh_of(vec![[0, 0, 0], [0, 1 << 20, 0]], vec![]);
+    let mut mesh = GridMesh::new(vec![[0, 0, 0], [0, 1 << 20, 0]], vec![]);
     assert_eq!(refused(&mesh), IntraError::Outside { vertex: 1 });
     mesh.positions[1] = [1; 3];
     mesh.faces = vec![[0, 1, 0], [0, 1, 2]];
@@ -198,7 +195,7 @@ fn empty_meshes_and_bad_input() {
 
 #[test]
 fn limits_hold_before_anything_is_allocated() {
-    let mesh = mesh_of(vec![[0; 3]; 100], sheet(8, [false, false]));
+    let mesh = GridMesh::new(vec![[0; 3]; 100], sheet(8, [false, false]));
     let mut bytes = Vec::new();
     encode_intra(&mesh, &mut bytes).expect("encodes");
     let limits = IntraLimits { max_vertices: 99, max_faces: 1000 };
@@ -211,7 +208,7 @@ fn limits_hold_before_anything_is_allocated() {
 fn a_regular_mesh_stays_within_the_density_that_decoders_accept() {
     let n = 300;
     let positions = (0..=n).flat_map(|y| (0..=n).map(move |x| [x as i32, y as i32, 0]));
-    round_trip(&mesh_of(positions.collect(), sheet(n, [false, false])));
+    round_trip(&GridMesh::new(positions.collect(), sheet(n, [false, false])));
 }
 
 /// The OBJ files of a measured sequence.
@@ -234,7 +231,7 @@ fn read_grid_mesh(path: &Path) -> GridMesh {
     let faces = text.lines().filter(|l| l.starts_with("f ")).map(numbers);
     let largest = vertices.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
     let grid = |v: &Vec<f64>| [v[0], v[1], v[2]].map(|x| (x / largest * 1023.0).round() as i32);
-    let mut mesh = mesh_of(
+    let mut mesh = GridMesh::new(
         vertices.iter().map(grid).collect(),
         faces.map(|f| [f[0], f[1], f[2]].map(|i| i as u32 - 1)).collect(),
     );
@@ -290,7 +287,7 @@ fn clean_labels_cost_next_to_nothing() {
         let bounds = mesh.bounding_box().expect("a box");
         let grid = Grid { origin: bounds.min, step: bounds.longest_side() / 2047.0 };
         let positions = grid.quantise(&mesh.positions).expect("inside");
-        sum += label_bits(&GridMesh { positions, faces: mesh.faces, labels: mesh.labels });
+        sum += label_bits(&mesh.with_positions(positions));
     }
     let mean = sum / frames.len() as f64;
     eprintln!("labels: {mean:.4} bit a vertex");

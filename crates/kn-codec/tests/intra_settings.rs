@@ -1,7 +1,7 @@
 //! What an encoder's user can ask of I-frames: no loss, fewer faces, and where vertices went.
 
+use kn_codec::{DROPPED, GridChoice};
 use kn_codec::{Decimation, Decoder, EncodeError, Encoder, EncoderConfig, FrameReport};
-use kn_codec::{GONE, GridChoice};
 use kn_mesh::{ExactGrid, Mesh};
 use kn_performer::{Performer, PerformerConfig};
 
@@ -96,9 +96,9 @@ fn p_frames_deform_a_decimated_i_frame() {
     let map = intra.vertex_map.as_ref().expect("asked for");
     // Rounded to the grid, and smoothed within it.
     let step = 1.5 * diagonal / 2047.0;
-    for (position, &target) in frames[0].positions.iter().zip(map).filter(|(_, t)| **t != GONE) {
+    for (position, &target) in frames[0].positions.iter().zip(map).filter(|(_, t)| **t != DROPPED) {
         let found = decoded[0].positions[target as usize];
         assert!((0..3).all(|k| f64::from((found[k] - position[k]).abs()) < step));
     }
-    assert_eq!(map.iter().filter(|&&t| t != GONE).count(), intra.vertices as usize);
+    assert_eq!(map.iter().filter(|&&t| t != DROPPED).count(), intra.vertices as usize);
 }

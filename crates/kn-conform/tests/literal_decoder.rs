@@ -74,7 +74,7 @@ fn mesh(labelled: bool) -> impl Strategy<Value = GridMesh> {
             true => (0..count - 2).flat_map(tips).collect(),
             false => (2..count).map(|v| [v - 2, v - 1, v]).collect(),
         };
-        GridMesh { positions, faces, labels }
+        GridMesh::new(positions, faces).with_labels(labels)
     })
 }
 

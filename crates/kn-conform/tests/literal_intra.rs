@@ -14,13 +14,10 @@ fn soup() -> impl Strategy<Value = GridMesh> {
     (vertices, any::<bool>(), 1..5_i32).prop_flat_map(|(vertices, labelled, scale)| {
         let count = vertices.len() as u32;
         let faces = prop::collection::vec(prop::array::uniform3(0..count), 0..60);
-        faces.prop_map(move |faces| GridMesh {
-            positions: vertices
-                .iter()
-                .map(|(p, _)| p.map(|c| c * 7_i32.pow(scale as u32)))
-                .collect(),
-            faces,
-            labels: vertices.iter().filter(|_| labelled).map(|&(_, label)| label).collect(),
+        faces.prop_map(move |faces| {
+            let position = |(p, _): &([i32; 3], u8)| p.map(|c| c * 7_i32.pow(scale as u32));
+            let labels = vertices.iter().filter(|_| labelled).map(|&(_, label)| label).collect();
+            GridMesh::new(vertices.iter().map(position).collect(), faces).with_labels(labels)
         })
     })
 }

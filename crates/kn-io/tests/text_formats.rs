@@ -297,11 +297,8 @@ fn off_reads_with_comments_and_colours() {
 }
 
 fn sample() -> Mesh {
-    Mesh {
-        positions: vec![[0.1, -0.0, 1e-40], [3e38, 1.0 / 3.0, -2.5], [1.0; 3], [7.0; 3]],
-        faces: vec![[2, 1, 0], [3, 1, 0]],
-        labels: vec![0, 14, 7, 7],
-    }
+    let positions = vec![[0.1, -0.0, 1e-40], [3e38, 1.0 / 3.0, -2.5], [1.0; 3], [7.0; 3]];
+    Mesh::new(positions, vec![[2, 1, 0], [3, 1, 0]]).with_labels(vec![0, 14, 7, 7])
 }
 
 #[test]
@@ -349,7 +346,8 @@ fn meshes() -> impl Strategy<Value = Mesh> {
             let count = positions.len() as u32;
             let labels =
                 if labelled { (0..count).map(|v| (v % 15) as u8).collect() } else { vec![] };
-            Mesh { positions, faces: faces.iter().map(|f| f.map(|v| v % count)).collect(), labels }
+            let faces = faces.iter().map(|f| f.map(|v| v % count)).collect();
+            Mesh::new(positions, faces).with_labels(labels)
         })
 }
 

@@ -7,7 +7,7 @@
 //! can be dropped after that.
 
 use crate::adjacency::{Components, EdgeTable, Rows};
-use crate::{Mesh, MeshFault};
+use crate::{Mesh, MeshFault, VertexMap, compose};
 use std::fmt;
 use std::ops::AddAssign;
 
@@ -18,14 +18,11 @@ pub struct Cleaned {
     /// order of their first appearance, faces their order.
     pub mesh: Mesh,
     /// `#V of the input`: the vertex of [`mesh`](Self::mesh) that each input vertex became, or
-    /// [`DROPPED`].
+    /// [`DROPPED`](crate::DROPPED).
     pub vertex_map: Vec<u32>,
     /// What was changed and what was found.
     pub report: CleanReport,
 }
-
-/// In a vertex map: the vertex was dropped.
-pub const DROPPED: u32 = u32::MAX;
 
 impl Cleaned {
     /// Drops the vertices that no face uses. They show nowhere, and a stray one would stretch the
@@ -34,28 +31,12 @@ impl Cleaned {
         if self.report.isolated == 0 {
             return self;
         }
-        let Mesh { positions, faces, labels } = &mut self.mesh;
-        let mut used = vec![false; positions.len()];
-        faces.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
-        let mut new_of = Vec::with_capacity(used.len());
-        let mut count = 0;
-        for &used in &used {
-            new_of.push(if used { count } else { DROPPED });
-            count += u32::from(used);
-        }
-        retain_marked(positions, &used);
-        retain_marked(labels, &used);
-        faces.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = new_of[*vertex as usize]);
-        self.vertex_map.iter_mut().for_each(|vertex| *vertex = new_of[*vertex as usize]);
+        let used = VertexMap::of_used(self.mesh.positions.len(), &self.mesh.faces);
+        self.mesh = self.mesh.map_vertices(&used);
+        self.vertex_map = compose(&self.vertex_map, used.targets());
         self.report.unused += std::mem::take(&mut self.report.isolated);
         self
     }
-}
-
-/// Keeps what is marked; no labels stay none.
-fn retain_marked<T>(values: &mut Vec<T>, marks: &[bool]) {
-    let mut marks = marks.iter();
-    values.retain(|_| marks.next().is_some_and(|&mark| mark));
 }
 
 /// Counts of what [`clean`] changed and of what it found and kept; sums over frames with `+=`.
@@ -152,8 +133,11 @@ pub fn clean(input: &Mesh) -> Result<Cleaned, MeshFault> {
         input_faces: input.faces.len() as u64,
         ..CleanReport::default()
     };
-    let (mut mesh, vertex_map) = weld(input, &mut report);
-    mesh.faces = kept_faces(input, &vertex_map, mesh.positions.len(), &mut report);
+    let welded = VertexMap::of_welded(&input.positions);
+    report.welded = (input.positions.len() - welded.sources().len()) as u64;
+    report.label_conflicts = label_conflicts(&input.labels, &welded);
+    let mut mesh = input.map_vertices(&welded);
+    drop_faces(&mut mesh, &mut report);
 
     let edges = EdgeTable::new(mesh.positions.len(), &mesh.faces);
     let components = Components::new(mesh.positions.len(), &mesh.faces);
@@ -161,66 +145,26 @@ pub fn clean(input: &Mesh) -> Result<Cleaned, MeshFault> {
     report.non_manifold_edges = edges.non_manifold_count() as u64;
     report.components = components.count as u64;
     report.isolated = components.isolated_count() as u64;
-    Ok(Cleaned { mesh, vertex_map, report })
+    Ok(Cleaned { mesh, vertex_map: welded.into_targets(), report })
 }
 
-/// The distinct positions with their labels in order of first appearance, and the map to them.
-fn weld(input: &Mesh, report: &mut CleanReport) -> (Mesh, Vec<u32>) {
-    let first_of = first_at_position(&input.positions);
-    let mut mesh = Mesh::default();
-    let mut vertex_map = Vec::with_capacity(input.positions.len());
-    for (vertex, &first) in first_of.iter().enumerate() {
-        if first as usize == vertex {
-            vertex_map.push(mesh.positions.len() as u32);
-            mesh.positions.push(input.positions[vertex]);
-            mesh.labels.extend(input.labels.get(vertex));
-        } else {
-            vertex_map.push(vertex_map[first as usize]);
-            report.welded += 1;
-            let conflict = input.labels.get(vertex) != input.labels.get(first as usize);
-            report.label_conflicts += u64::from(conflict);
-        }
-    }
-    (mesh, vertex_map)
+/// Vertices whose label is not that of the vertex they are merged into.
+fn label_conflicts(labels: &[u8], welded: &VertexMap) -> u64 {
+    let kept = |&target: &u32| labels[welded.sources()[target as usize] as usize];
+    let pairs = labels.iter().zip(welded.targets());
+    pairs.filter(|(label, target)| **label != kept(target)).count() as u64
 }
 
-/// For every vertex the lowest vertex at the same position.
-fn first_at_position(positions: &[[f32; 3]]) -> Vec<u32> {
-    // Adding +0 turns −0 into +0 and leaves every other number: equal bits, equal position.
-    let bits = |vertex: u32| positions[vertex as usize].map(|c| (c + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&vertex| (bits(vertex), vertex));
-    let mut first_of = vec![0; positions.len()];
-    for run in order.chunk_by(|&a, &b| bits(a) == bits(b)) {
-        for &vertex in run {
-            first_of[vertex as usize] = run[0];
-        }
-    }
-    first_of
-}
+/// Drops the faces that are degenerate or duplicates of an earlier one.
+fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
+    let before = mesh.faces.len();
+    mesh.retain_faces(|&[a, b, c]| a != b && b != c && c != a);
+    report.degenerate = (before - mesh.faces.len()) as u64;
 
-/// The faces on welded vertices that are neither degenerate nor duplicates of an earlier one.
-fn kept_faces(
-    input: &Mesh,
-    vertex_map: &[u32],
-    vertex_count: usize,
-    report: &mut CleanReport,
-) -> Vec<[u32; 3]> {
-    let mut faces: Vec<[u32; 3]> =
-        input.faces.iter().map(|face| face.map(|vertex| vertex_map[vertex as usize])).collect();
-    let welded = faces.len();
-    faces.retain(|&[a, b, c]| a != b && b != c && c != a);
-    report.degenerate += (welded - faces.len()) as u64;
-
-    let duplicate = duplicates(vertex_count, &faces);
-    let distinct = faces.len();
-    let mut at = 0;
-    faces.retain(|_| {
-        at += 1;
-        !duplicate[at - 1]
-    });
-    report.duplicate += (distinct - faces.len()) as u64;
-    faces
+    let duplicate = duplicates(mesh.positions.len(), &mesh.faces);
+    let mut marks = duplicate.iter();
+    mesh.retain_faces(|_| marks.next() != Some(&true));
+    report.duplicate = (duplicate.len() - mesh.faces.len()) as u64;
 }
 
 /// Marks every face that has an earlier face's vertices in the same cyclic order.
@@ -254,22 +198,21 @@ fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::DROPPED;
     use proptest::prelude::*;
 
     #[test]
     fn welds_drops_and_counts() {
-        let input = Mesh {
-            positions: vec![
-                [0.0, 0.0, 0.0],
-                [1.0, 0.0, 0.0],
-                [0.0, 1.0, 0.0],
-                [-0.0, 0.0, -0.0],
-                [1.0, 0.0, 0.0],
-                [5.0, 5.0, 5.0],
-            ],
-            faces: vec![[0, 1, 2], [1, 2, 3], [0, 2, 1], [3, 0, 2], [4, 2, 3], [2, 2, 1]],
-            labels: vec![7, 8, 9, 1, 8, 2],
-        };
+        let positions = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-0.0, 0.0, -0.0],
+            [1.0, 0.0, 0.0],
+            [5.0, 5.0, 5.0],
+        ];
+        let faces = vec![[0, 1, 2], [1, 2, 3], [0, 2, 1], [3, 0, 2], [4, 2, 3], [2, 2, 1]];
+        let input = Mesh::new(positions, faces).with_labels(vec![7, 8, 9, 1, 8, 2]);
         let cleaned = clean(&input).expect("valid");
         assert_eq!(cleaned.vertex_map, [0, 1, 2, 0, 1, 3]);
         assert_eq!(cleaned.mesh.faces, [[0, 1, 2], [0, 2, 1]]);
@@ -300,7 +243,7 @@ mod tests {
 
     #[test]
     fn an_invalid_mesh_is_refused() {
-        let mesh = Mesh { faces: vec![[0, 1, 2]], ..Mesh::default() };
+        let mesh = Mesh::new(Vec::new(), vec![[0, 1, 2]]);
         assert_eq!(clean(&mesh), Err(MeshFault::FaceIndex { face: 0, index: 0, vertices: 0 }));
     }
 
@@ -311,11 +254,10 @@ mod tests {
             faces in prop::collection::vec([0usize..30, 0..30, 0..30], 0..60),
         ) {
             let count = corners.len();
-            let input = Mesh {
-                positions: corners.iter().map(|p| p.map(f32::from)).collect(),
-                faces: faces.iter().map(|f| f.map(|v| (v % count) as u32)).collect(),
-                labels: vec![],
-            };
+            let input = Mesh::new(
+                corners.iter().map(|p| p.map(f32::from)).collect(),
+                faces.iter().map(|f| f.map(|v| (v % count) as u32)).collect(),
+            );
             let cleaned = clean(&input).expect("valid");
             let mut distinct = corners.clone();
             distinct.sort_unstable();

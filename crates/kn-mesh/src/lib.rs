@@ -5,13 +5,17 @@
 //! faces `[u32; 3]`, one label byte per vertex.
 
 pub mod adjacency;
+mod bounds;
 mod clean;
 mod exact;
 mod grid;
 mod mesh;
 pub mod parts;
+mod select;
 
-pub use clean::{CleanReport, Cleaned, DROPPED, clean};
+pub use bounds::BoundingBox;
+pub use clean::{CleanReport, Cleaned, clean};
 pub use exact::{Coordinate, ExactGrid, ExactGridError};
 pub use grid::{Grid, GridError};
-pub use mesh::{BoundingBox, GridMesh, Mesh, MeshFault};
+pub use mesh::{GridMesh, Mesh, MeshFault, TriangleMesh};
+pub use select::{DROPPED, VertexMap, compose};

@@ -1,24 +1,74 @@
-//! The two mesh types: floats in world units, integers on the sequence's grid.
+//! The triangle mesh, in world units or on the sequence's grid.
 
-/// A triangle mesh in world units.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// `#V × 3`, world units.
-    pub positions: Vec<[f32; 3]>,
+use crate::BoundingBox;
+
+/// A mesh in world units.
+pub type Mesh = TriangleMesh<f32>;
+
+/// A mesh whose positions are integers: grid steps, or a fixed-point fraction of them where its
+/// owner says so.
+pub type GridMesh = TriangleMesh<i32>;
+
+/// A triangle mesh with coordinates of type `C` and the attributes that the codec carries.
+///
+/// It is made by [`new`](Self::new) and the `with_` methods, or by `default` where the buffers are
+/// filled again and again. Fields can be read and written in place. No code outside this crate
+/// can list them all, so a new attribute breaks no user.
+///
+/// # How an attribute comes in
+///
+/// Attributes belong to a vertex (`#V`: labels today; colours), to a face (`#F`: a material) or to a
+/// corner (`#F × 3` indices into a table of values: texture coordinates with seams; a vertex on a
+/// seam stays one vertex). What belongs to a frame as a whole, such as a texture, stays beside the mesh.
+/// A new attribute is one more field here, empty where a mesh does not have it, and has to be
+/// carried through these places:
+///
+/// 1. [`clear`](Self::clear) and [`check`](Mesh::check), in this file;
+/// 2. [`map_vertices`](Self::map_vertices), [`retain_faces`](Self::retain_faces) and
+///    [`replace_faces`](Self::replace_faces). Welding, cleaning, dropping isolated vertices and
+///    decimation change a mesh through these three alone;
+/// 3. kn-io, which reads and writes it;
+/// 4. the intra coder of kn-codec, which orders vertices and faces anew.
+///
+/// Coordinates of another type, such as binary64 for scans far from the origin, are another `C`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct TriangleMesh<C> {
+    /// `#V × 3`.
+    pub positions: Vec<[C; 3]>,
     /// `#F × 3` indices into `positions`.
     pub faces: Vec<[u32; 3]>,
     /// `#V` body-part labels, or empty where the mesh carries none.
     pub labels: Vec<u8>,
 }
 
-impl Mesh {
+impl<C> TriangleMesh<C> {
+    /// A mesh of `positions` (`#V × 3`) and `faces` (`#F × 3` indices into `positions`) without any
+    /// attribute. Nothing is checked, see [`Mesh::check`].
+    pub fn new(positions: Vec<[C; 3]>, faces: Vec<[u32; 3]>) -> Self {
+        Self { positions, faces, labels: Vec::new() }
+    }
+
+    /// The same surface with these `labels`: one per vertex, or none at all.
+    pub fn with_labels(self, labels: Vec<u8>) -> Self {
+        Self { labels, ..self }
+    }
+
+    /// A copy with the vertices at other `positions` (`#V × 3`), of another type of coordinate where
+    /// wanted.
+    pub fn with_positions<D>(&self, positions: Vec<[D; 3]>) -> TriangleMesh<D> {
+        TriangleMesh { positions, faces: self.faces.clone(), labels: self.labels.clone() }
+    }
+
     /// Empties the mesh and keeps its buffers.
     pub fn clear(&mut self) {
         self.positions.clear();
         self.faces.clear();
         self.labels.clear();
     }
+}
 
+impl Mesh {
     /// Checks what every algorithm of this workspace relies on: finite coordinates, faces that
     /// index existing vertices, and no labels or one per vertex.
     ///
@@ -108,84 +158,14 @@ pub enum MeshFault {
     },
 }
 
-/// A triangle mesh whose positions are integers: grid steps, or a fixed-point fraction of them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct GridMesh {
-    /// `#V × 3`, grid steps (or fractions, where the owner says so).
-    pub positions: Vec<[i32; 3]>,
-    /// `#F × 3` indices into `positions`.
-    pub faces: Vec<[u32; 3]>,
-    /// `#V` body-part labels, or empty where the mesh carries none.
-    pub labels: Vec<u8>,
-}
-
-impl GridMesh {
-    /// Empties the mesh and keeps its buffers.
-    pub fn clear(&mut self) {
-        self.positions.clear();
-        self.faces.clear();
-        self.labels.clear();
-    }
-}
-
-/// An axis-aligned box in world units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoundingBox {
-    /// Smallest coordinate on each axis.
-    pub min: [f64; 3],
-    /// Largest coordinate on each axis.
-    pub max: [f64; 3],
-}
-
-impl BoundingBox {
-    /// The box of `positions` (`#V × 3`); `None` where there are none.
-    pub fn of(positions: &[[f32; 3]]) -> Option<Self> {
-        let first = positions.first()?.map(f64::from);
-        let mut bounds = Self { min: first, max: first };
-        for position in positions {
-            bounds.include(position.map(f64::from));
-        }
-        Some(bounds)
-    }
-
-    /// Grows the box so that it holds `point`.
-    pub fn include(&mut self, point: [f64; 3]) {
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(point[axis]);
-            self.max[axis] = self.max[axis].max(point[axis]);
-        }
-    }
-
-    /// The smallest box that holds both.
-    pub fn union(mut self, other: Self) -> Self {
-        self.include(other.min);
-        self.include(other.max);
-        self
-    }
-
-    /// The longest side.
-    pub fn longest_side(&self) -> f64 {
-        (0..3).map(|axis| self.max[axis] - self.min[axis]).fold(0.0, f64::max)
-    }
-
-    /// The length of the diagonal.
-    pub fn diagonal(&self) -> f64 {
-        let side = |axis: usize| self.max[axis] - self.min[axis];
-        (0..3).map(|axis| side(axis) * side(axis)).sum::<f64>().sqrt()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn faults_name_their_place() {
-        let good = Mesh {
-            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            faces: vec![[0, 1, 2]],
-            labels: vec![0, 1, 2],
-        };
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let good = Mesh::new(positions, vec![[0, 1, 2]]).with_labels(vec![0, 1, 2]);
         assert_eq!(good.check(), Ok(()));
         let mut bad = good.clone();
         bad.positions[2][1] = f32::NEG_INFINITY;

@@ -186,11 +186,9 @@ impl Performer {
         surface.compact();
         let leaf = |i: usize| &lattice.leaves[surface.leaves[i] as usize].candidates;
         let label = |(i, at): (usize, &glam::DVec3)| scene.label(*at, leaf(i));
-        Mesh {
-            labels: surface.positions.par_iter().enumerate().map(label).collect(),
-            positions: surface.positions.iter().map(|p| scan::rounded(*p)).collect(),
-            faces: surface.faces,
-        }
+        let labels = surface.positions.par_iter().enumerate().map(label).collect();
+        let positions = surface.positions.iter().map(|p| scan::rounded(*p)).collect();
+        Mesh::new(positions, surface.faces).with_labels(labels)
     }
 
     /// Where the surface points of a mesh of frame `from` are in frame `to`: `#V × 3` true

@@ -4,6 +4,8 @@
 use super::field::{Scene, value_and_gradient};
 use super::lattice::{LEAF, Lattice, NONE, SIDE, local, octant};
 use glam::DVec3;
+use kn_mesh::VertexMap;
+use kn_mesh::adjacency::Components;
 use rayon::prelude::*;
 
 /// Corners of a cell's twelve edges.
@@ -36,55 +38,24 @@ impl Surface {
     /// Keeps the pieces of surface with at least `share` of all vertices: what a scanner sees, not
     /// the walls of voids between leg and tunic.
     pub(super) fn keep_large_pieces(&mut self, share: f64) {
-        let mut parent: Vec<u32> = (0..self.positions.len() as u32).collect();
-        for [a, b, c] in &self.faces {
-            let root = root(&mut parent, *a);
-            for other in [*b, *c] {
-                let other = self::root(&mut parent, other);
-                parent[other as usize] = root;
-            }
+        let pieces = Components::new(self.positions.len(), &self.faces);
+        let mut sizes = vec![0_usize; pieces.count];
+        for &piece in pieces.of_vertex.iter().filter(|&&piece| piece != Components::ISOLATED) {
+            sizes[piece as usize] += 1;
         }
-        let mut sizes = vec![0_usize; parent.len()];
-        for v in 0..parent.len() as u32 {
-            sizes[root(&mut parent, v) as usize] += 1;
-        }
-        let least = (share * parent.len() as f64) as usize;
-        self.faces.retain(|face| sizes[root(&mut parent, face[0]) as usize] >= least);
+        let least = (share * self.positions.len() as f64) as usize;
+        let piece = |face: &[u32; 3]| pieces.of_vertex[face[0] as usize] as usize;
+        self.faces.retain(|face| sizes[piece(face)] >= least);
     }
 
     /// Drops vertices without a face.
     pub(super) fn compact(&mut self) {
-        let mut used = vec![false; self.positions.len()];
-        for &v in self.faces.iter().flatten() {
-            used[v as usize] = true;
-        }
-        let mut renamed = vec![0_u32; used.len()];
-        let mut count = 0;
-        for v in 0..used.len() {
-            if used[v] {
-                renamed[v] = count as u32;
-                self.positions[count] = self.positions[v];
-                self.normals[count] = self.normals[v];
-                self.leaves[count] = self.leaves[v];
-                count += 1;
-            }
-        }
-        self.positions.truncate(count);
-        self.normals.truncate(count);
-        self.leaves.truncate(count);
-        for v in self.faces.iter_mut().flatten() {
-            *v = renamed[*v as usize];
-        }
+        let used = VertexMap::of_used(self.positions.len(), &self.faces);
+        self.positions = used.gather(&self.positions);
+        self.normals = used.gather(&self.normals);
+        self.leaves = used.gather(&self.leaves);
+        used.renumber(&mut self.faces);
     }
-}
-
-/// Representative of a vertex' piece, paths halved on the way.
-fn root(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
 }
 
 /// Index of the vertex in every cell, or [`NONE`].

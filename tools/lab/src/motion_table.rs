@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     let mut segmenter = Segmenter::new(SegmentOptions::default());
     let labelled = frames.iter().map(|frame| {
         let labels = segmenter.segment(&frame.positions, &frame.faces)?.labels;
-        Ok(Mesh { labels, ..frame.clone() })
+        Ok(frame.clone().with_labels(labels))
     });
     let labelled: Vec<Mesh> = labelled.collect::<Result<_>>()?;
     let surfaces: Vec<Surface> = frames.iter().skip(1).map(Surface::new).collect::<Result<_>>()?;
@@ -110,7 +110,7 @@ fn read(folder: PathBuf, first: usize, count: usize) -> Result<(Vec<Mesh>, Bound
 fn performer() -> Result<(Vec<Mesh>, BoundingBox)> {
     let config = PerformerConfig { vertices: 4_000, ..PerformerConfig::default() };
     let performer = Performer::new(config)?;
-    let unlabelled = |index| Mesh { labels: Vec::new(), ..performer.frame(index) };
+    let unlabelled = |index| performer.frame(index).with_labels(Vec::new());
     let frames: Vec<Mesh> = (0..3).map(unlabelled).collect();
     let boxes = frames.iter().filter_map(Mesh::bounding_box);
     let bounds = boxes.reduce(|a, b| a.union(b)).context("the figure has no box")?;

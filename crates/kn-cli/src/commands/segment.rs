@@ -101,7 +101,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
             output.push(&frame, of_file.collect())?;
         }
         if let Some(preview) = &mut preview {
-            preview.push(frame.index, &row.name, Mesh { labels, ..cleaned.mesh });
+            preview.push(frame.index, &row.name, cleaned.mesh.with_labels(labels));
         }
         rows.push(row);
         bar.step();

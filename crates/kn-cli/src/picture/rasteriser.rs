@@ -181,11 +181,8 @@ mod tests {
     use kn_mesh::BoundingBox;
 
     fn square_at(z: f32) -> Mesh {
-        Mesh {
-            positions: vec![[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]],
-            faces: vec![[0, 1, 2], [0, 2, 3]],
-            labels: Vec::new(),
-        }
+        let positions = vec![[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]];
+        Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])
     }
 
     fn view() -> View {

@@ -60,11 +60,8 @@ mod tests {
     use super::*;
 
     fn intra() -> GridMesh {
-        GridMesh {
-            positions: vec![[0, 0, 0], [4, 0, 0], [4, 0, 0], [9, 9, 9]],
-            faces: vec![[0, 1, 3]],
-            labels: vec![5, 7, 6, 1],
-        }
+        let positions = vec![[0, 0, 0], [4, 0, 0], [4, 0, 0], [9, 9, 9]];
+        GridMesh::new(positions, vec![[0, 1, 3]]).with_labels(vec![5, 7, 6, 1])
     }
 
     #[test]

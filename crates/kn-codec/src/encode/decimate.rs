@@ -2,12 +2,10 @@
 //! that vertices stay where they are and keep their labels. Not normative.
 
 use crate::encode::config::Decimation;
-use kn_mesh::Mesh;
+use kn_mesh::{Mesh, VertexMap};
 use kn_metrics::{TriangleTree, distances_to_surface};
 use meshopt::SimplifyOptions;
 
-/// No vertex: in a vertex map, what decimation took away.
-pub const GONE: u32 = u32::MAX;
 /// What crossing a border between labels weighs: as much as an error of this part of the box's
 /// longest side. Borders then move about as far as the surface does at a quarter of the faces.
 const LABEL_WEIGHT: f32 = 1e-3;
@@ -17,18 +15,10 @@ const ATTEMPTS: usize = 8;
 /// A coarser mesh, and what it cost.
 pub(crate) struct Decimated {
     pub(crate) mesh: Mesh,
-    /// `#V` vertex of `mesh` for each vertex of the input, or [`GONE`].
+    /// `#V` vertex of `mesh` for each vertex of the input, or [`kn_mesh::DROPPED`].
     pub(crate) vertex_map: Vec<u32>,
     /// Largest distance from a vertex of the input to the coarser surface, world units.
     pub(crate) error: f64,
-}
-
-impl Decimated {
-    /// `#V` what `further`, a map of the coarser mesh's vertices, makes of each input vertex.
-    pub(crate) fn through(&self, further: &[u32]) -> Vec<u32> {
-        let follow = |&vertex: &u32| further.get(vertex as usize).copied().unwrap_or(GONE);
-        self.vertex_map.iter().map(follow).collect()
-    }
 }
 
 /// Decimates `mesh` (faces in range, coordinates finite) as far as `decimation` says. Topology can
@@ -103,22 +93,15 @@ impl Collapsed {
     /// Keeps the vertices that faces use, in their order, and measures; `None` where the surface is
     /// gone or whole.
     fn measured(self, mesh: &Mesh) -> Option<Decimated> {
-        let Self(mut faces) = self;
+        let Self(faces) = self;
         if faces.len() == mesh.faces.len() {
             return None;
         }
         let surface = TriangleTree::new(&mesh.positions_f64(), &faces).ok()?;
         let error = distances_to_surface(&mesh.positions_f64(), None, &surface).ok()?.max;
-        let mut vertex_map = vec![GONE; mesh.positions.len()];
-        faces.iter().flatten().for_each(|&vertex| vertex_map[vertex as usize] = 0);
-        let mut coarse = Mesh::default();
-        for (vertex, target) in vertex_map.iter_mut().enumerate().filter(|(_, at)| **at != GONE) {
-            *target = coarse.positions.len() as u32;
-            coarse.positions.push(mesh.positions[vertex]);
-            coarse.labels.extend(mesh.labels.get(vertex));
-        }
-        faces.iter_mut().flatten().for_each(|corner| *corner = vertex_map[*corner as usize]);
-        coarse.faces = faces;
+        let used = VertexMap::of_used(mesh.positions.len(), &faces);
+        let coarse = mesh.clone().replace_faces(faces).map_vertices(&used);
+        let vertex_map = used.into_targets();
         Some(Decimated { mesh: coarse, vertex_map, error })
     }
 }
@@ -126,6 +109,7 @@ impl Collapsed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kn_mesh::DROPPED;
     use kn_performer::{Performer, PerformerConfig};
 
     fn figure() -> Mesh {
@@ -158,7 +142,7 @@ mod tests {
         assert!(coarse.mesh.faces.len() * 5 > mesh.faces.len());
         let mut kept = 0;
         for (vertex, &target) in coarse.vertex_map.iter().enumerate() {
-            if target != GONE {
+            if target != DROPPED {
                 assert_eq!(coarse.mesh.positions[target as usize], mesh.positions[vertex]);
                 assert_eq!(coarse.mesh.labels[target as usize], mesh.labels[vertex]);
                 kept += 1;

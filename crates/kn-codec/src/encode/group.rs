@@ -19,7 +19,7 @@ use kn_bitstream::unit::{self, write_unit};
 use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
 use kn_deform::{BindError, Combination};
 use kn_fit::{FitError, FitFailure};
-use kn_mesh::{Grid, GridMesh, Mesh};
+use kn_mesh::{Grid, GridMesh, Mesh, compose};
 use kn_metrics::TriangleTree;
 
 /// Encodes groups of frames of one sequence, one after the other.
@@ -185,7 +185,7 @@ impl GroupEncoder {
             input_faces: mesh.faces.len() as u32,
             decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
             vertex_map: self.config.vertex_maps.then(|| match decimated {
-                Some(decimated) => decimated.through(&encoding.vertex_map),
+                Some(decimated) => compose(&decimated.vertex_map, &encoding.vertex_map),
                 None => encoding.vertex_map,
             }),
             fit_rms: 0.0,
@@ -204,7 +204,7 @@ impl GroupEncoder {
                 return Err(format!("vertex {vertex} does not lie on the lossless grid"));
             }
         }
-        Ok(GridMesh { positions, faces: mesh.faces.clone(), labels: mesh.labels.clone() })
+        Ok(mesh.with_positions(positions))
     }
 
     /// The decoder's view of the I-frame that was just coded.

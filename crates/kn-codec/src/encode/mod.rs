@@ -21,7 +21,6 @@ pub use config::{
     LabelChoice, NamePattern, NodeChoice, NodePlacement, SmoothingChoice, StepChoice,
     TranslationChoice,
 };
-pub use decimate::GONE;
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;
 pub use report::{CostReport, FrameReport, StepReport, Summary};

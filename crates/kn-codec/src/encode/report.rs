@@ -38,7 +38,7 @@ pub struct FrameReport {
     /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
     /// world units; 0 where nothing was decimated.
     pub decimation_error: f64,
-    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::GONE`], of an I-frame where
+    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::DROPPED`], of an I-frame where
     /// [`crate::EncoderConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an

@@ -54,7 +54,7 @@ pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, &'static str> {
     };
     let (coded, positions) = geometry(second, &walk, counts.lattice)?;
     let labels = if counts.has_labels { labels(third, &walk, &coded)? } else { Vec::new() };
-    Ok(GridMesh { positions, faces, labels })
+    Ok(GridMesh::new(positions, faces).with_labels(labels))
 }
 
 /// Vertices and faces that a payload announces.

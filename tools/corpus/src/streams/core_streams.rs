@@ -260,9 +260,8 @@ struct Predicted {
 fn predicted(body: &Mesh) -> Vec<Predicted> {
     let frames = |mesh: &Mesh, count| (0..count).map(|i| moved(mesh, f64::from(i))).collect();
     let upright: Vec<Mesh> = frames(body, 2);
-    let headless =
-        Mesh { labels: body.labels.iter().map(|&l| headless(l)).collect(), ..body.clone() };
-    let plain = Mesh { labels: Vec::new(), ..twins(body) };
+    let headless = body.clone().with_labels(body.labels.iter().map(|&l| headless(l)).collect());
+    let plain = twins(body).with_labels(Vec::new());
     let stream = |name, danger, covers, frames| Predicted {
         name,
         danger,

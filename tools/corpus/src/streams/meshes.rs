@@ -75,14 +75,14 @@ pub(crate) fn moved(mesh: &Mesh, time: f64) -> Mesh {
         let sway = 0.05 * libm::sin(time) * (1.0 + y);
         [(x + sway) as f32, (y + 0.02 * time) as f32, (z * (1.0 + 0.05 * time)) as f32]
     };
-    let positions = mesh.positions.iter().map(move_point).collect();
-    Mesh { positions, ..mesh.clone() }
+    mesh.with_positions(mesh.positions.iter().map(move_point).collect())
 }
 
 /// The mesh without the faces that touch its upper pole: open, with a boundary.
 pub(crate) fn opened(mesh: &Mesh) -> Mesh {
-    let faces = mesh.faces.iter().copied().filter(|face| !face.contains(&0)).collect();
-    Mesh { faces, ..mesh.clone() }
+    let mut opened = mesh.clone();
+    opened.retain_faces(|face| !face.contains(&0));
+    opened
 }
 
 /// Two meshes in one, the second beside the first.

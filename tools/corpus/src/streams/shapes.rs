@@ -196,11 +196,7 @@ pub(crate) fn mesh(
 ) -> GridMesh {
     let vertices = 0..vertex_count(&faces);
     let labels = label.map(|label| vertices.clone().map(label).collect());
-    GridMesh {
-        positions: vertices.map(position).collect(),
-        faces,
-        labels: labels.unwrap_or_default(),
-    }
+    GridMesh::new(vertices.map(position).collect(), faces).with_labels(labels.unwrap_or_default())
 }
 
 /// A curled surface: neighbours by number lie near each other, with some noise.

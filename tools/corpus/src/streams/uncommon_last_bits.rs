@@ -176,7 +176,7 @@ fn header(slots: u8, scheme: u8) -> String {
 }
 
 fn cloud(vertices: &[[i32; 3]]) -> GridMesh {
-    GridMesh { positions: vertices.to_vec(), ..GridMesh::default() }
+    GridMesh::new(vertices.to_vec(), Vec::new())
 }
 
 /// Key nodes that all move alike, and their motion: translations in units, angles in

@@ -152,7 +152,7 @@ fn whole_steps(slots: usize) -> Text {
 }
 
 fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
-    GridMesh { positions, ..GridMesh::default() }
+    GridMesh::new(positions, Vec::new())
 }
 
 /// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes halves of odd

@@ -70,7 +70,7 @@ fn scene(header: &Text, label_set: u8, spacing: i32, noise: &mut Noise) -> Scene
     }
     let beside: Vec<[i32; 3]> =
         nodes.iter().map(|&[x, y, z]| [x + noise.around(1), y, z + 1]).collect();
-    let mut mesh = GridMesh { positions: [nodes.clone(), beside].concat(), ..GridMesh::default() };
+    let mut mesh = GridMesh::new([nodes.clone(), beside].concat(), Vec::new());
     if label_set > 0 {
         mesh.labels = labels.repeat(2);
         // Without a node of their own they connect nodes of other parts.

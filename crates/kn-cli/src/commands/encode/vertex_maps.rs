@@ -3,7 +3,7 @@
 use crate::output::{OutputFolder, write_file};
 use crate::outputs::Outputs;
 use anyhow::Result;
-use kn_codec::GONE;
+use kn_codec::DROPPED;
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -39,7 +39,7 @@ impl VertexMaps {
         write_file(&self.folder.place(&name), |writer| {
             for vertex in cleaned {
                 match decoded.get(vertex as usize) {
-                    Some(&target) if target != GONE => writeln!(writer, "{target}")?,
+                    Some(&target) if target != DROPPED => writeln!(writer, "{target}")?,
                     _ => writeln!(writer, "-")?,
                 }
             }

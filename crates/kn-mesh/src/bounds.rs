@@ -1,0 +1,48 @@
+//! Axis-aligned boxes.
+
+/// An axis-aligned box in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingBox {
+    /// Smallest coordinate on each axis.
+    pub min: [f64; 3],
+    /// Largest coordinate on each axis.
+    pub max: [f64; 3],
+}
+
+impl BoundingBox {
+    /// The box of `positions` (`#V × 3`); `None` where there are none.
+    pub fn of(positions: &[[f32; 3]]) -> Option<Self> {
+        let first = positions.first()?.map(f64::from);
+        let mut bounds = Self { min: first, max: first };
+        for position in positions {
+            bounds.include(position.map(f64::from));
+        }
+        Some(bounds)
+    }
+
+    /// Grows the box so that it holds `point`.
+    pub fn include(&mut self, point: [f64; 3]) {
+        for axis in 0..3 {
+            self.min[axis] = self.min[axis].min(point[axis]);
+            self.max[axis] = self.max[axis].max(point[axis]);
+        }
+    }
+
+    /// The smallest box that holds both.
+    pub fn union(mut self, other: Self) -> Self {
+        self.include(other.min);
+        self.include(other.max);
+        self
+    }
+
+    /// The longest side.
+    pub fn longest_side(&self) -> f64 {
+        (0..3).map(|axis| self.max[axis] - self.min[axis]).fold(0.0, f64::max)
+    }
+
+    /// The length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        let side = |axis: usize| self.max[axis] - self.min[axis];
+        (0..3).map(|axis| side(axis) * side(axis)).sum::<f64>().sqrt()
+    }
+}
