@@ -45,7 +45,7 @@ fn check_faulty(spec: &Spec, rule: &str, bytes: &[u8]) -> Result<(), Failed> {
     match spec.reconstruct(bytes) {
         Ok(_) => Err("read literally it decodes".into()),
         Err(failure) => match failure.rule {
-            Some(found) if found == rule => Ok(()),
+            Some(found) if found.id() == rule => Ok(()),
             _ => Err(format!("read literally: {failure}").into()),
         },
     }

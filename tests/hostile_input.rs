@@ -4,6 +4,7 @@
 mod common;
 
 use common::{encode, performer, small_config};
+use kn_bitstream::rule;
 use kn_bitstream::unit::{Framing, INDEX, INTRA_FRAME, SizeLimits, read_unit, write_unit};
 use kn_bitstream::{BitWriter, Index, IndexGroup};
 use kn_codec::{
@@ -131,7 +132,7 @@ fn a_spare_byte_is_an_error() {
     for Sound { name, mut bytes } in sound_streams() {
         bytes.push(0);
         let error = run(&bytes).expect_err("one byte too many");
-        assert_eq!(error.rule(), Some("file.order"), "{name}");
+        assert_eq!(error.rule(), Some(rule::FILE_ORDER), "{name}");
     }
 }
 
@@ -223,7 +224,7 @@ fn seeking_by_an_index_that_lies_is_an_error() {
                     assert!(shown.is_ok(), "{at}");
                 } else {
                     let error = shown.expect_err("no I-frame is there");
-                    assert_eq!(error.rule(), Some("file.order"), "{at}");
+                    assert_eq!(error.rule(), Some(rule::FILE_ORDER), "{at}");
                 }
             }
         }
@@ -239,7 +240,7 @@ fn a_failed_search_for_the_index_leaves_the_reader_where_it_was() {
     let mut mesh = Mesh::default();
     for frame in 0..3 {
         let error = decoder.frame_count().expect_err("the last byte is missing");
-        assert_eq!(error.rule(), Some("index.size.value"));
+        assert_eq!(error.rule(), Some(rule::INDEX_SIZE_VALUE));
         let info = decoder.next_frame(&mut mesh).expect("sound so far").expect("a frame");
         assert_eq!(info.index, frame);
     }
@@ -255,7 +256,7 @@ fn an_index_is_checked_like_any_other_unit() {
     let mut flipped = stream.clone();
     let last = 8 * stream.len() - 1;
     flip(&mut flipped, last);
-    assert_eq!(rule(&flipped, Limits::default()).rule(), Some("unit.crc.match"));
+    assert_eq!(rule(&flipped, Limits::default()).rule(), Some(rule::UNIT_CRC_MATCH));
     let start = units(&stream).last().expect("an index").start;
     let mut bits = BitWriter::new();
     Index { groups: vec![IndexGroup { bytes: 1, frames: 1 }] }.write(&mut bits);

@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use kn_bitstream::Rule;
 use kn_conform::{Example, Expected, Spec, TraceLine, example_trace, example_written};
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -47,8 +48,8 @@ fn check_tables(spec: &Spec, example: &Example) -> Result<(), Failed> {
     }
 }
 
-fn same_rule(expected: &str, found: Option<&str>, message: &str) -> Result<(), Failed> {
-    if found == Some(expected) {
+fn same_rule(expected: &str, found: Option<Rule>, message: &str) -> Result<(), Failed> {
+    if found.is_some_and(|rule| rule.id() == expected) {
         Ok(())
     } else {
         Err(format!("refused by {found:?}, not by {expected}: {message}").into())

@@ -1,6 +1,6 @@
 //! What can be wrong with a stream, and where.
 
-use crate::rule;
+use crate::rule::{self, Rule};
 
 /// An error with the place at which reading stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +18,13 @@ pub enum ErrorKind {
     UnexpectedEnd,
     /// The stream breaks a rule of the specification.
     Malformed {
-        /// Id of the rule, as in `spec/`.
-        rule: &'static str,
+        /// The rule.
+        rule: Rule,
     },
     /// The stream uses a value that this version of the specification reserves.
     Unsupported {
-        /// Id of the rule that reserves the value.
-        rule: &'static str,
+        /// The rule that reserves the value.
+        rule: Rule,
     },
     /// The stream may be sound but asks for more than the caller allows.
     Limit {
@@ -39,19 +39,19 @@ pub enum ErrorKind {
 
 impl Error {
     /// A broken rule at a bit offset.
-    pub fn malformed(rule: &'static str, bit: u64) -> Self {
+    pub fn malformed(rule: Rule, bit: u64) -> Self {
         Self { kind: ErrorKind::Malformed { rule }, bit }
     }
 
     /// A reserved value at a bit offset.
-    pub fn unsupported(rule: &'static str, bit: u64) -> Self {
+    pub fn unsupported(rule: Rule, bit: u64) -> Self {
         Self { kind: ErrorKind::Unsupported { rule }, bit }
     }
 
     /// The rule that is broken, `None` for the caller's own limits.
     ///
     /// Inside a unit an unexpected end means that the structure is larger than its `unit_size`.
-    pub fn rule(&self) -> Option<&'static str> {
+    pub fn rule(&self) -> Option<Rule> {
         match self.kind {
             ErrorKind::UnexpectedEnd => Some(rule::UNIT_SIZE_EXACT),
             ErrorKind::Malformed { rule } | ErrorKind::Unsupported { rule } => Some(rule),
@@ -70,14 +70,13 @@ impl std::fmt::Display for ErrorKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match *self {
             Self::UnexpectedEnd => f.write_str("the data ends inside a syntax element"),
-            Self::Malformed { rule } => match rule::sentence(rule) {
-                Some(sentence) => write!(f, "broken rule {rule}: {sentence}"),
-                None => write!(f, "broken rule {rule}"),
-            },
-            Self::Unsupported { rule } => match rule::sentence(rule) {
-                Some(sentence) => write!(f, "not supported, rule {rule}: {sentence}"),
-                None => write!(f, "not supported, rule {rule}"),
-            },
+            Self::Malformed { rule } => write!(f, "the stream breaks a rule: {rule}"),
+            Self::Unsupported { rule } => {
+                write!(
+                    f,
+                    "the stream uses a reserved value that this version does not know: {rule}"
+                )
+            }
             Self::Limit { what, asked, allowed } => {
                 write!(f, "the stream asks for {asked} {what}, {allowed} are allowed")
             }

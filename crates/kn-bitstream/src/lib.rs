@@ -27,6 +27,7 @@ pub use motion::{
 };
 pub use nodes::{AffineNodes, KeyNodes, KeyNodesContext, NodeSites};
 pub use reader::{BitReader, HUFFMAN_VALUE_LIMIT, RICE_UNARY_LIMIT, UE_UNARY_LIMIT};
+pub use rule::Rule;
 pub use sequence::{
     BODY_LABELS, FileNames, InfluenceMode, LabelSet, PROFILE_MAIN, SequenceHeader, UnitOfLength,
     VERSION, WeightScheme, name_text,

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::huffman::CauchyTable;
-use crate::rule;
+use crate::rule::{self, Rule};
 use crate::trace::{Element, Name, Trace, Value};
 
 /// Largest unary part of a Rice code.
@@ -51,12 +51,12 @@ impl<'a, 't> BitReader<'a, 't> {
     }
 
     /// An error unless `holds`.
-    pub fn require(&self, holds: bool, rule: &'static str) -> Result<(), Error> {
+    pub fn require(&self, holds: bool, rule: Rule) -> Result<(), Error> {
         if holds { Ok(()) } else { Err(Error::malformed(rule, self.position())) }
     }
 
     /// An error that says "reserved" unless `holds`.
-    pub fn require_supported(&self, holds: bool, rule: &'static str) -> Result<(), Error> {
+    pub fn require_supported(&self, holds: bool, rule: Rule) -> Result<(), Error> {
         if holds { Ok(()) } else { Err(Error::unsupported(rule, self.position())) }
     }
 
@@ -175,7 +175,7 @@ impl<'a, 't> BitReader<'a, 't> {
     }
 
     /// The number of 1 bits before a 0 bit, which is read too.
-    fn take_unary(&mut self, limit: u32, rule: &'static str) -> Result<u32, Error> {
+    fn take_unary(&mut self, limit: u32, rule: Rule) -> Result<u32, Error> {
         self.refill();
         let ones = self.window.leading_ones().min(self.held);
         self.require(ones <= limit, rule)?;

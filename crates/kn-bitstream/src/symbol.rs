@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::huffman::{TABLE_COUNT, cauchy_table};
 use crate::reader::BitReader;
-use crate::rule;
+use crate::rule::{self, Rule};
 use crate::writer::BitWriter;
 use std::convert::Infallible;
 use std::ops::RangeInclusive;
@@ -66,7 +66,7 @@ pub trait SymbolCoder {
     ///
     /// # Errors
     /// A reader's: the value breaks `rule`.
-    fn require(&self, holds: bool, rule: &'static str) -> Result<(), Self::Error>;
+    fn require(&self, holds: bool, rule: Rule) -> Result<(), Self::Error>;
 }
 
 /// How the values of a P-frame are coded (`entropy_mode`).
@@ -152,7 +152,7 @@ pub(crate) struct List {
 pub(crate) struct Bounds {
     pub(crate) step: i64,
     pub(crate) range: RangeInclusive<i64>,
-    pub(crate) rule: &'static str,
+    pub(crate) rule: Rule,
 }
 
 impl List {
@@ -218,7 +218,7 @@ impl SymbolCoder for HuffmanReader<'_, '_, '_> {
     }
 
     #[inline]
-    fn require(&self, holds: bool, rule: &'static str) -> Result<(), Error> {
+    fn require(&self, holds: bool, rule: Rule) -> Result<(), Error> {
         self.bits.require(holds, rule)
     }
 }
@@ -237,7 +237,7 @@ impl SymbolCoder for HuffmanWriter<'_> {
     }
 
     #[inline]
-    fn require(&self, _holds: bool, _rule: &'static str) -> Result<(), Infallible> {
+    fn require(&self, _holds: bool, _rule: Rule) -> Result<(), Infallible> {
         Ok(())
     }
 }
@@ -258,7 +258,7 @@ impl SymbolCoder for HuffmanCounter {
     }
 
     #[inline]
-    fn require(&self, _holds: bool, _rule: &'static str) -> Result<(), Infallible> {
+    fn require(&self, _holds: bool, _rule: Rule) -> Result<(), Infallible> {
         Ok(())
     }
 }

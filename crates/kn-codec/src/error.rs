@@ -1,6 +1,6 @@
 //! Errors by who can act on them, with a place and a rule.
 
-use kn_bitstream::rule::{FILE_SIGNATURE_VALUE, UNIT_CRC_MATCH};
+use kn_bitstream::rule::{FILE_ORDER, FILE_SIGNATURE_VALUE, Rule, UNIT_CRC_MATCH};
 use std::fmt;
 
 /// Why a stream cannot be decoded. One word wide.
@@ -16,8 +16,8 @@ pub enum DecodeErrorKind {
     Io(std::io::Error),
     /// The stream breaks a rule of the specification.
     Malformed {
-        /// Rule id in `spec/`, such as `nodes.count.range`.
-        rule: &'static str,
+        /// The rule.
+        rule: Rule,
         /// Bit in the file at which this shows.
         at: u64,
         /// Index of the frame, where one was being decoded.
@@ -32,10 +32,12 @@ pub enum DecodeErrorKind {
     },
     /// The stream uses what this version does not know.
     Unsupported {
-        /// Rule id of the reserved value.
-        rule: &'static str,
-        /// Bit in the file.
+        /// The rule that reserves the value.
+        rule: Rule,
+        /// Bit in the file at which this shows.
         at: u64,
+        /// Index of the frame, where one was being decoded.
+        frame: Option<u64>,
     },
     /// The stream asks for more than the caller's [`crate::Limits`] allow.
     Limit {
@@ -50,10 +52,12 @@ pub enum DecodeErrorKind {
     },
     /// A decoded frame differs from the digest that its encoder wrote.
     Digest {
+        /// The rule of the digest: of positions or of faces.
+        rule: Rule,
+        /// Bit in the file at which the frame's unit begins.
+        at: u64,
         /// Index of the frame.
         frame: u64,
-        /// `positions` or `faces`.
-        what: &'static str,
     },
     /// An earlier error ended the stream.
     Failed,
@@ -73,11 +77,12 @@ impl DecodeError {
     }
 
     /// The rule of the specification that is broken, where one is.
-    pub fn rule(&self) -> Option<&'static str> {
+    pub fn rule(&self) -> Option<Rule> {
         match *self.0 {
-            DecodeErrorKind::Malformed { rule, .. } | DecodeErrorKind::Unsupported { rule, .. } => {
-                Some(rule)
-            }
+            DecodeErrorKind::Malformed { rule, .. }
+            | DecodeErrorKind::Unsupported { rule, .. }
+            | DecodeErrorKind::Digest { rule, .. } => Some(rule),
+            DecodeErrorKind::Truncated { .. } => Some(FILE_ORDER),
             _ => None,
         }
     }
@@ -101,45 +106,57 @@ impl fmt::Display for DecodeError {
         match &*self.0 {
             Kind::Io(error) => write!(f, "cannot read the stream: {error}"),
             Kind::Malformed { rule: FILE_SIGNATURE_VALUE, .. } => {
-                write!(f, "this is not a .knm stream (rule {FILE_SIGNATURE_VALUE})")
+                write!(f, "this is not a .knm stream: {FILE_SIGNATURE_VALUE}")
             }
             &Kind::Malformed { rule, at, frame } => {
-                if let Some(frame) = frame {
-                    write!(f, "frame {frame}, ")?;
-                }
-                match rule {
-                    UNIT_CRC_MATCH => write!(
-                        f,
-                        "bit {at}: damaged: the bytes before do not match their CRC (rule {rule})"
-                    ),
-                    _ => write!(f, "bit {at}: the stream breaks rule {rule}"),
-                }
+                let what = match rule {
+                    UNIT_CRC_MATCH => "the stream is damaged",
+                    _ => "the stream breaks a rule",
+                };
+                write!(f, "{}{what}: {rule}", Place { frame, at })
             }
             Kind::Truncated { bytes, frames } => {
                 let plural = if *frames == 1 { "" } else { "s" };
                 write!(
                     f,
                     "the stream ends after {bytes} bytes and {frames} whole frame{plural}, before \
-                     its index (rule file.order)"
+                     its index: {FILE_ORDER}"
                 )
             }
-            Kind::Unsupported { rule, at } => {
+            &Kind::Unsupported { rule, at, frame } => {
+                let place = Place { frame, at };
                 write!(
                     f,
-                    "bit {at}: a reserved value that this version does not know (rule {rule})"
+                    "{place}the stream uses a reserved value that this version does not know: {rule}"
                 )
             }
             Kind::Limit { what, asked, allowed, at } => {
-                write!(f, "bit {at}: {asked} {what}, more than the allowed {allowed}")
+                write!(f, "bit {at}: the stream asks for {asked} {what}, the limit is {allowed}")
             }
-            Kind::Digest { frame, what } => {
-                write!(f, "frame {frame}: the decoded {what} do not match the stream's digest")
+            &Kind::Digest { rule, at, frame } => {
+                let place = Place { frame: Some(frame), at };
+                write!(f, "{place}the decoded frame is not the encoder's: {rule}")
             }
             Kind::Failed => f.write_str("an earlier error ended the stream"),
             Kind::NoSuchFrame { frame, frames } => {
                 write!(f, "there is no frame {frame}; the stream has {frames}")
             }
         }
+    }
+}
+
+/// Where an error shows, as the beginning of its message.
+struct Place {
+    frame: Option<u64>,
+    at: u64,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(frame) = self.frame {
+            write!(f, "frame {frame}, ")?;
+        }
+        write!(f, "bit {}: ", self.at)
     }
 }
 

@@ -3,6 +3,7 @@
 mod common;
 
 use common::announcing;
+use kn_bitstream::rule;
 use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraError, IntraLimits};
 use kn_codec::intra::{decode_intra, encode_intra};
 use kn_mesh::{Grid, GridMesh};
@@ -316,7 +317,7 @@ fn announced_counts_are_bounded_by_the_bytes_that_are_there() {
         decode(&announcing(vertices, faces, payload)).expect_err("zeros are no mesh")
     };
     let density =
-        |error| matches!(error, IntraError::Malformed { rule: "intra.counts.density", .. });
+        |error| matches!(error, IntraError::Malformed { rule: rule::INTRA_COUNTS_DENSITY, .. });
     for payload in [40, 100, 400] {
         let most = 2048 * payload as u32;
         assert!(density(refusal(most + 1, 0, payload)));

@@ -1,6 +1,6 @@
 //! Bits one at a time, and the CRC by its definition. Literal, with no eye on speed.
 
-use kn_bitstream::rule;
+use kn_bitstream::rule::{self, Rule};
 
 use crate::Failure;
 
@@ -12,7 +12,7 @@ pub(crate) struct BitSource<'a> {
     /// Where the structure of the unit that is being read ends.
     end: Option<u64>,
     /// What is wrong where the bytes run out: r[descriptor.end].
-    at_end: &'static str,
+    at_end: Rule,
 }
 
 impl<'a> BitSource<'a> {

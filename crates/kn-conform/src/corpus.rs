@@ -5,7 +5,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use kn_codec::{DecodeErrorKind, Decoder, FrameKind, digest};
+use kn_bitstream::Rule;
+use kn_codec::{Decoder, FrameKind, digest};
 use kn_mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
@@ -108,13 +109,7 @@ pub fn run_ours(stream: impl Read) -> Outcome {
     match frames_of(stream) {
         Ok(frames) => Outcome::Frames(frames),
         Err(error) => {
-            let rule = match error.kind() {
-                DecodeErrorKind::Truncated { .. } => Some("file.order"),
-                DecodeErrorKind::Digest { what: "faces", .. } => Some("intra.digest.faces"),
-                DecodeErrorKind::Digest { .. } => Some("frame.digest.positions"),
-                _ => error.rule(),
-            };
-            let rule = rule.unwrap_or("no rule").to_owned();
+            let rule = error.rule().map_or("no rule", Rule::id).to_owned();
             Outcome::Refused { rule: Some(rule), message: error.to_string() }
         }
     }

@@ -28,7 +28,7 @@ pub use interpret::NodeLabels;
 pub use labels::node_labels;
 pub use oracle::{Literal, decode_mesh};
 pub use product::{example_trace, example_written, stream_trace};
-pub use spec::{Example, Expected, Rule, Spec, SpecError, no_labels};
+pub use spec::{Clause, Example, Expected, Spec, SpecError, no_labels};
 pub use stream::{Finding, StreamReport};
 pub use syntax::{Syntax, SyntaxError};
 pub use value::{Failure, TraceLine, Value};

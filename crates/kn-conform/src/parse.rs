@@ -1,6 +1,6 @@
 //! The second parser: bits to elements by the descriptors of chapter 2.
 
-use kn_bitstream::rule;
+use kn_bitstream::rule::{self, Rule};
 
 use crate::bits::{BitSource, crc32};
 use crate::huffman::{Code, Codes};
@@ -62,7 +62,7 @@ impl<'a> StreamElements<'a> {
     }
 
     /// Number of 1 bits before a 0 bit.
-    fn unary(&mut self, limit: u64, rule: &'static str) -> Result<u64, Failure> {
+    fn unary(&mut self, limit: u64, rule: Rule) -> Result<u64, Failure> {
         let start = self.bits.position();
         let mut ones = 0;
         while self.bits.bit()? == 1 {
@@ -114,7 +114,7 @@ impl<'a> StreamElements<'a> {
     }
 }
 
-fn below_2_32(value: u64, bit: u64, rule: &'static str) -> Result<Value, Failure> {
+fn below_2_32(value: u64, bit: u64, rule: Rule) -> Result<Value, Failure> {
     match u32::try_from(value) {
         Ok(value) => Ok(Value::Integer(i64::from(value))),
         Err(_) => Err(Failure::of_rule(bit, rule, "2^32 or more")),

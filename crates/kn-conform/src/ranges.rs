@@ -1,5 +1,7 @@
 //! The value rules of chapters 3, 6 and 7, as the text says them, for the second parser.
 
+use kn_bitstream::rule::{self, Rule};
+
 use crate::environment::Environment;
 use crate::interpret::Place;
 use crate::tables::Table;
@@ -37,59 +39,59 @@ impl Known<'_> {
         self.environment.get(name).unwrap_or(0)
     }
 
-    fn broken_in_header(&self, place: &Place<'_>, value: &Value) -> Option<&'static str> {
+    fn broken_in_header(&self, place: &Place<'_>, value: &Value) -> Option<Rule> {
         let v = value.number();
         let finite = |value: &Value| matches!(value, Value::Float(value) if value.is_finite());
         let (holds, rule) = match place.name {
-            "file_signature" => (v == 0x8B4B_4E4D_0D0A_1A0A, "file.signature.value"),
-            "version" => (v == 0, "header.version.value"),
-            "profile" => (v == 0, "header.profile.known"),
-            "level" => (v < self.levels.rows.len() as i128, "header.level.known"),
-            "frame_rate_numerator" | "frame_rate_denominator" => (v >= 1, "header.rate.range"),
-            "up_axis" => (v <= 2, "header.axis.range"),
-            "unit_of_length" => (v <= 5, "header.length.known"),
-            "fraction_bits" => (v <= 8, "header.fraction.range"),
+            "file_signature" => (v == 0x8B4B_4E4D_0D0A_1A0A, rule::FILE_SIGNATURE_VALUE),
+            "version" => (v == 0, rule::HEADER_VERSION_VALUE),
+            "profile" => (v == 0, rule::HEADER_PROFILE_KNOWN),
+            "level" => (v < self.levels.rows.len() as i128, rule::HEADER_LEVEL_KNOWN),
+            "frame_rate_numerator" | "frame_rate_denominator" => (v >= 1, rule::HEADER_RATE_RANGE),
+            "up_axis" => (v <= 2, rule::HEADER_AXIS_RANGE),
+            "unit_of_length" => (v <= 5, rule::HEADER_LENGTH_KNOWN),
+            "fraction_bits" => (v <= 8, rule::HEADER_FRACTION_RANGE),
             "max_group_length" => {
                 let most = limit(self.environment, self.levels, "max_group_frames");
-                ((1..=most).contains(&v), "header.group.range")
+                ((1..=most).contains(&v), rule::HEADER_GROUP_RANGE)
             }
-            "nodes_per_vertex" => ((1..=8).contains(&v), "header.nodes.range"),
-            "weight_scheme" => (v <= 2, "header.weight.known"),
-            "label_set" => (v <= 2, "header.labels.known"),
-            "reserved_zero" if place.argument == 4 => (v == 0, "header.reserved.zero"),
-            "grid_origin" => (finite(value), "header.origin.finite"),
+            "nodes_per_vertex" => ((1..=8).contains(&v), rule::HEADER_NODES_RANGE),
+            "weight_scheme" => (v <= 2, rule::HEADER_WEIGHT_KNOWN),
+            "label_set" => (v <= 2, rule::HEADER_LABELS_KNOWN),
+            "reserved_zero" if place.argument == 4 => (v == 0, rule::HEADER_RESERVED_ZERO),
+            "grid_origin" => (finite(value), rule::HEADER_ORIGIN_FINITE),
             "grid_step" => {
                 let positive = matches!(value, Value::Float(step) if *step > 0.0);
-                (finite(value) && positive, "header.step.positive")
+                (finite(value) && positive, rule::HEADER_STEP_POSITIVE)
             }
-            "label_count" => ((1..=64).contains(&v), "header.labels.count"),
-            "label_region" => (v < 64, "header.labels.region"),
-            "name_digits" => (v <= 9, "header.names.digits"),
+            "label_count" => ((1..=64).contains(&v), rule::HEADER_LABELS_COUNT),
+            "label_region" => (v < 64, rule::HEADER_LABELS_REGION),
+            "name_digits" => (v <= 9, rule::HEADER_NAMES_DIGITS),
             _ => return None,
         };
         (!holds).then_some(rule)
     }
 
-    fn broken_in_frame(&self, place: &Place<'_>, value: &Value) -> Option<&'static str> {
+    fn broken_in_frame(&self, place: &Place<'_>, value: &Value) -> Option<Rule> {
         let v = value.number();
         let whole = |value: &Value| !matches!(value, Value::Bytes(name) if matches!(&name[..], b"" | b"." | b".."));
         let (holds, rule) = match place.name {
-            "reserved_zero" if place.argument == 6 => (v == 0, "frame.reserved.zero"),
-            "smoothing_strength" => (v <= 5, "intra.smoothing.range"),
-            "name" | "name_prefix" if !is_name(value) => (false, "name.characters"),
-            "name" => (whole(value), "name.whole"),
+            "reserved_zero" if place.argument == 6 => (v == 0, rule::FRAME_RESERVED_ZERO),
+            "smoothing_strength" => (v <= 5, rule::INTRA_SMOOTHING_RANGE),
+            "name" | "name_prefix" if !is_name(value) => (false, rule::NAME_CHARACTERS),
+            "name" => (whole(value), rule::NAME_WHOLE),
             "unit_size" => {
                 let of_level = limit(self.environment, self.levels, "max_unit_bytes");
                 let highest = level_limit(self.levels, None, "max_unit_bytes");
                 let is_header = self.get("unit_type") == 1;
-                (v <= if is_header { highest } else { of_level }, "unit.size.limit")
+                (v <= if is_header { highest } else { of_level }, rule::UNIT_SIZE_LIMIT)
             }
             _ => return None,
         };
         (!holds).then_some(rule)
     }
 
-    fn broken_in_motion(&self, place: &Place<'_>, v: i128) -> Option<&'static str> {
+    fn broken_in_motion(&self, place: &Place<'_>, v: i128) -> Option<Rule> {
         // 7.2; angles, scales and shears in units of 2^(−16).
         let step = |name: &str| {
             let s = self.get(name);
@@ -97,23 +99,25 @@ impl Known<'_> {
         };
         const ONE: i128 = 1 << 16;
         let (holds, rule) = match place.name {
-            "reference_mode" => (v == 0, "motion.reference.known"),
-            "entropy_mode" => (v == 0, "motion.entropy.known"),
-            "residual_present" => (v == 0, "motion.residual.known"),
-            "translation_mode" if v == 2 => (!self.is_first(), "motion.translation.first"),
-            "translation_mode" => (v <= 2, "motion.translation.known"),
+            "reference_mode" => (v == 0, rule::MOTION_REFERENCE_KNOWN),
+            "entropy_mode" => (v == 0, rule::MOTION_ENTROPY_KNOWN),
+            "residual_present" => (v == 0, rule::MOTION_RESIDUAL_KNOWN),
+            "translation_mode" if v == 2 => (!self.is_first(), rule::MOTION_TRANSLATION_FIRST),
+            "translation_mode" => (v <= 2, rule::MOTION_TRANSLATION_KNOWN),
             "shear_enabled" => {
                 let flags = ["rotation_enabled", "scale_enabled", "shear_enabled"];
                 let any = flags.iter().any(|flag| self.get(flag) == 1);
-                (!any || self.get("AffineCount") > 0, "motion.enabled.affine")
+                (!any || self.get("AffineCount") > 0, rule::MOTION_ENABLED_AFFINE)
             }
-            "translation_table" | "parameter_table" => (v < 48, "motion.table.range"),
-            "rotation" => ((v * step("rotation_step")).abs() <= 4 * ONE, "motion.rotation.range"),
+            "translation_table" | "parameter_table" => (v < 48, rule::MOTION_TABLE_RANGE),
+            "rotation" => {
+                ((v * step("rotation_step")).abs() <= 4 * ONE, rule::MOTION_ROTATION_RANGE)
+            }
             "scale" => {
                 let scale = ONE + v * step("scale_step");
-                (scale > 0 && scale <= 8 * ONE, "motion.scale.range")
+                (scale > 0 && scale <= 8 * ONE, rule::MOTION_SCALE_RANGE)
             }
-            "shear" => ((v * step("shear_step")).abs() <= 8 * ONE, "motion.shear.range"),
+            "shear" => ((v * step("shear_step")).abs() <= 8 * ONE, rule::MOTION_SHEAR_RANGE),
             _ => return None,
         };
         (!holds).then_some(rule)
@@ -125,16 +129,16 @@ impl Known<'_> {
         !known("translation_table") && (known("node_count") || !known("PreviousTable"))
     }
 
-    fn broken_in_index(&self, name: &str, v: i128, bit: u64) -> Option<&'static str> {
+    fn broken_in_index(&self, name: &str, v: i128, bit: u64) -> Option<Rule> {
         let (holds, rule) = match name {
-            "group_count" => (v >= 1, "index.count.range"),
+            "group_count" => (v >= 1, rule::INDEX_COUNT_RANGE),
             "group_frames" => {
-                ((1..=self.get("max_group_length")).contains(&v), "index.frames.range")
+                ((1..=self.get("max_group_length")).contains(&v), rule::INDEX_FRAMES_RANGE)
             }
             "index_size" => {
                 let payload = (i128::from(bit) - self.get("UnitStart")) / 8 + 4;
                 let size_bytes = (1..).find(|&n| payload < 1 << (7 * n)).unwrap_or(5);
-                (v == 1 + size_bytes + payload + 4, "index.size.value")
+                (v == 1 + size_bytes + payload + 4, rule::INDEX_SIZE_VALUE)
             }
             _ => return None,
         };
@@ -148,27 +152,27 @@ fn broken_in_nodes(
     levels: &Table,
     place: &Place<'_>,
     v: i128,
-) -> Option<&'static str> {
+) -> Option<Rule> {
     const SUMS: [&str; 3] = ["NodeX", "NodeY", "NodeZ"];
     let (holds, rule) = match place.name {
         "node_count" => {
             SUMS.iter().for_each(|sum| environment.set(sum, 0));
             environment.set("NodeVertex", -1);
             let most = limit(environment, levels, "max_nodes");
-            ((1..=most).contains(&v), "nodes.count.range")
+            ((1..=most).contains(&v), rule::NODES_COUNT_RANGE)
         }
-        "weight_sigma" => ((1..1 << 20).contains(&v), "nodes.sigma.range"),
+        "weight_sigma" => ((1..1 << 20).contains(&v), rule::NODES_SIGMA_RANGE),
         "node_vertex_gap" => {
             let vertex = environment.get("NodeVertex").unwrap_or(-1) + 1 + v;
             environment.set("NodeVertex", vertex);
             let count = environment.get("VertexCount");
-            (count.is_none_or(|count| vertex < count), "nodes.vertex.range")
+            (count.is_none_or(|count| vertex < count), rule::NODES_VERTEX_RANGE)
         }
         "node_delta" => {
             let sum = SUMS[place.indices.last().map_or(0, |&axis| axis as usize)];
             let coordinate = environment.get(sum).unwrap_or(0) + v;
             environment.set(sum, coordinate);
-            (coordinate.abs() < 1 << 20, "nodes.position.range")
+            (coordinate.abs() < 1 << 20, rule::NODES_POSITION_RANGE)
         }
         _ => return None,
     };

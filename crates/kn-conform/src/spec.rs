@@ -11,7 +11,7 @@ use crate::tables::{Table, TableError};
 #[derive(Debug)]
 pub struct Spec {
     /// All rules, in the order of the chapters.
-    pub rules: Vec<Rule>,
+    pub rules: Vec<Clause>,
     /// The tables of chapter 3.
     pub syntax: Syntax,
     /// The worked examples, in the order of the chapters.
@@ -24,7 +24,7 @@ pub struct Spec {
 
 /// A clause with an id.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Rule {
+pub struct Clause {
     /// `nodes.count.range`
     pub id: String,
     /// The clause, up to the next rule, note, heading or block.
@@ -35,7 +35,7 @@ pub struct Rule {
     pub section: usize,
 }
 
-impl Rule {
+impl Clause {
     /// Whether the clause asks something of streams, so that a decoder can refuse one by it.
     ///
     /// Chapter 1 keeps the word "shall" for this.
@@ -119,7 +119,7 @@ impl Spec {
                 in_rule &= kind != "example";
             } else if let Some(id) = line.strip_prefix("r[").and_then(|id| id.strip_suffix(']')) {
                 let (id, text, chapter) = (id.to_owned(), String::new(), chapter.to_owned());
-                self.rules.push(Rule { id, text, chapter, section: self.sections });
+                self.rules.push(Clause { id, text, chapter, section: self.sections });
                 in_rule = true;
             } else if line.starts_with('#') || is_note(line) {
                 self.sections += usize::from(line.starts_with('#'));
@@ -156,7 +156,7 @@ impl Spec {
     }
 
     /// The rule with an id.
-    pub fn rule(&self, id: &str) -> Option<&Rule> {
+    pub fn rule(&self, id: &str) -> Option<&Clause> {
         self.rules.iter().find(|rule| rule.id == id)
     }
 }

@@ -92,7 +92,7 @@ impl Finding {
     }
 
     fn of_failure(reader: &'static str, failure: &Failure) -> Self {
-        Self::failed(reader, failure.rule.map(str::to_owned), failure.to_string())
+        Self::failed(reader, failure.rule.map(|rule| rule.id().to_owned()), failure.to_string())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Values of syntax elements, and the trace of a stream.
 
+use kn_bitstream::Rule;
 use std::fmt;
 
 /// Value of a syntax element.
@@ -123,7 +124,7 @@ pub struct Failure {
     /// What is wrong.
     pub reason: String,
     /// The rule that is broken, where the reader knows it.
-    pub rule: Option<&'static str>,
+    pub rule: Option<Rule>,
 }
 
 impl Failure {
@@ -131,7 +132,7 @@ impl Failure {
         Self { bit, reason: reason.into(), rule: None }
     }
 
-    pub(crate) fn of_rule(bit: u64, rule: &'static str, reason: impl Into<String>) -> Self {
+    pub(crate) fn of_rule(bit: u64, rule: Rule, reason: impl Into<String>) -> Self {
         Self { bit, reason: reason.into(), rule: Some(rule) }
     }
 }
@@ -139,7 +140,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "bit {}: {}", self.bit, self.reason)?;
-        self.rule.map_or(Ok(()), |rule| write!(f, " (spec rule {rule})"))
+        self.rule.map_or(Ok(()), |rule| write!(f, ": {rule}"))
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use kn_bitstream::Rule;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
     AffineNodes, BitWriter, Components, EntropyMode, FrameHeader, Index, IndexGroup, InfluenceMode,
@@ -235,7 +236,7 @@ fn stream(case: &Case) -> Vec<u8> {
 }
 
 /// The decoder's frames, or the rule by which it refuses the stream.
-fn decoded(stream: &[u8]) -> Result<Vec<String>, &'static str> {
+fn decoded(stream: &[u8]) -> Result<Vec<String>, Rule> {
     let mut decoder = StreamDecoder::new(Limits::default());
     decoder.push(stream);
     let mut mesh = Mesh::default();

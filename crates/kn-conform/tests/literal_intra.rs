@@ -1,6 +1,7 @@
 //! kn-codec and the literal reading of chapters 4 and 5 agree on every payload: meshes of all kinds
 //! of pathology, and payloads that were tampered with.
 
+use kn_bitstream::rule::{self, Rule};
 use kn_codec::intra::{IntraDecoder, IntraError, IntraLimits, decode_intra, encode_intra};
 use kn_conform::decode_mesh;
 use kn_mesh::GridMesh;
@@ -61,7 +62,7 @@ fn payload(mesh: &GridMesh) -> Vec<u8> {
 }
 
 /// The mesh, or the rule that is broken.
-fn by_codec(payload: &[u8]) -> Result<GridMesh, &'static str> {
+fn by_codec(payload: &[u8]) -> Result<GridMesh, Rule> {
     let limits = IntraLimits { max_vertices: 1 << 20, max_faces: 1 << 20 };
     let mut mesh = GridMesh::default();
     match decode_intra(payload, &limits, &mut IntraDecoder::default(), &mut mesh) {
@@ -94,7 +95,7 @@ proptest! {
         payload.extend(std::iter::repeat_n(value, spare));
         let [ours, literal] = [by_codec(&payload), decode_mesh(&payload)];
         if mesh.labels.is_empty() {
-            prop_assert_eq!(&ours, &Err("intra.sections.size"));
+            prop_assert_eq!(&ours, &Err(rule::INTRA_SECTIONS_SIZE));
         }
         prop_assert_eq!(literal, ours);
     }

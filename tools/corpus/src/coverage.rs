@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use kn_conform::{Expected, Rule, Spec, Stream, load_corpus};
+use kn_conform::{Clause, Expected, Spec, Stream, load_corpus};
 
 /// Writes `spec/coverage.md` in the checkout at `root`.
 ///
@@ -22,7 +22,7 @@ pub fn write(root: &Path) -> anyhow::Result<()> {
 #[derive(Clone, Debug)]
 pub struct Covered<'s> {
     /// The rule.
-    pub rule: &'s Rule,
+    pub rule: &'s Clause,
     /// Examples, as `02-descriptors.md:41`.
     pub examples: Vec<&'s str>,
     /// Streams, as `core/NAME`.
@@ -44,7 +44,7 @@ pub fn coverage<'s>(spec: &'s Spec, streams: &'s [Stream]) -> Vec<Covered<'s>> {
     spec.rules.iter().map(|rule| cover(rule, spec, streams)).collect()
 }
 
-fn cover<'s>(rule: &'s Rule, spec: &'s Spec, streams: &'s [Stream]) -> Covered<'s> {
+fn cover<'s>(rule: &'s Clause, spec: &'s Spec, streams: &'s [Stream]) -> Covered<'s> {
     let examples = spec.examples.iter().filter(|example| match &example.expected {
         Expected::Reject(id) => *id == rule.id,
         Expected::Trace(_) => example.section == rule.section && !rule.is_requirement(),

@@ -7,7 +7,8 @@ use crate::decode::transforms::decode_transforms;
 use crate::decode::translation::Translations;
 use kn_bitstream::{
     InfluenceMode as CodedMode, KeyNodes, LabelSet, MotionContext, MotionFrame, SequenceHeader,
-    WeightScheme as CodedScheme, rule,
+    WeightScheme as CodedScheme,
+    rule::{self, Rule},
 };
 use kn_deform::{
     BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
@@ -85,7 +86,7 @@ impl Reconstruction {
     ///
     /// # Errors
     /// The rule that is broken.
-    pub(crate) fn place(&mut self, key_nodes: &KeyNodes) -> Result<(), &'static str> {
+    pub(crate) fn place(&mut self, key_nodes: &KeyNodes) -> Result<(), Rule> {
         decode_key_nodes(key_nodes, &self.intra, &mut self.nodes);
         // Labels are in range: the I-frame was checked.
         let region = |&label: &u8| self.labels.region(label).unwrap_or(0);
@@ -141,7 +142,7 @@ impl Reconstruction {
     ///
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
-    pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
+    pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), Rule> {
         self.deform(motion)?;
         std::mem::swap(&mut self.reference, &mut self.next);
         let limit = self.limit();
@@ -167,7 +168,7 @@ impl Reconstruction {
         &mut self,
         motion: &MotionFrame,
         look: impl FnOnce(&[[i32; 3]], &[[u32; 3]]) -> T,
-    ) -> Result<T, &'static str> {
+    ) -> Result<T, Rule> {
         let before = self.translations.clone();
         let deformed = self.deform(motion);
         self.translations = before;
@@ -175,7 +176,7 @@ impl Reconstruction {
     }
 
     /// The next frame from its motion, into `self.next`.
-    fn deform(&mut self, motion: &MotionFrame) -> Result<(), &'static str> {
+    fn deform(&mut self, motion: &MotionFrame) -> Result<(), Rule> {
         let limit = self.limit();
         self.translations.decode(motion, i64::from(limit))?;
         let translations = self.translations.decoded();
@@ -219,7 +220,7 @@ impl Reconstruction {
     }
 }
 
-fn bind_rule(error: BindError) -> &'static str {
+fn bind_rule(error: BindError) -> Rule {
     match error {
         BindError::RegionWithoutNodes { .. } => rule::DEFORM_INFLUENCE_STRICT,
         BindError::NoNodes | BindError::Arguments(_) => rule::NODES_COUNT_RANGE,

@@ -9,7 +9,8 @@ use crate::limits::Limits;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits};
 use kn_bitstream::{
     BitReader, Element, Error, ErrorKind, Index, IndexGroup, Level, MotionFrame, SequenceHeader,
-    Trace, Value, rule,
+    Trace, Value,
+    rule::{self, Rule},
 };
 use kn_mesh::{Grid, Mesh};
 
@@ -365,7 +366,7 @@ impl StreamDecoder {
         mesh.labels.extend_from_slice(&intra.labels);
     }
 
-    fn malformed(&self, rule: &'static str, at: u64) -> DecodeError {
+    fn malformed(&self, rule: Rule, at: u64) -> DecodeError {
         malformed(rule, at, self.frame_in_progress())
     }
 
@@ -388,7 +389,7 @@ pub(crate) enum ParsedIndex {
     Index(Index),
 }
 
-fn malformed(rule: &'static str, at: u64, frame: Option<u64>) -> DecodeError {
+fn malformed(rule: Rule, at: u64, frame: Option<u64>) -> DecodeError {
     DecodeErrorKind::Malformed { rule, at, frame }.into()
 }
 
@@ -398,7 +399,7 @@ fn place(error: Error, frame: Option<u64>) -> DecodeError {
     match error.kind {
         ErrorKind::UnexpectedEnd => malformed(rule::UNIT_SIZE_EXACT, at, frame),
         ErrorKind::Malformed { rule } => malformed(rule, at, frame),
-        ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at }.into(),
+        ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at, frame }.into(),
         ErrorKind::Limit { what, asked, allowed } => {
             DecodeErrorKind::Limit { what, asked, allowed, at }.into()
         }

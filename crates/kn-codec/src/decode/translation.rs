@@ -2,7 +2,8 @@
 //! 7.4). The encoder runs the same prediction with its own quantiser in the loop.
 
 use crate::decode::path::Visit;
-use kn_bitstream::{MotionFrame, TranslationMode, rule, translation_step};
+use kn_bitstream::rule::{self, Rule};
+use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
 
 /// The translations of the last P-frame of a group, and what the next is predicted with.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +69,7 @@ impl Translations {
     ///
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next group.
-    pub(crate) fn decode(&mut self, motion: &MotionFrame, limit: i64) -> Result<(), &'static str> {
+    pub(crate) fn decode(&mut self, motion: &MotionFrame, limit: i64) -> Result<(), Rule> {
         let step = translation_step(motion.translation_step);
         // Values are below 2^20 and steps below 2^16, so that nothing here overflows.
         let add = |node: usize, prediction: [i64; 3]| {
@@ -120,7 +121,7 @@ impl Translations {
 }
 
 /// Spec rule `motion.translation.range`.
-fn inside(translation: [i64; 3], limit: i64) -> Result<[i64; 3], &'static str> {
+fn inside(translation: [i64; 3], limit: i64) -> Result<[i64; 3], Rule> {
     if translation.iter().all(|t| t.abs() < limit) {
         Ok(translation)
     } else {

@@ -243,7 +243,7 @@ impl GroupEncoder {
         let nodes = chooser.choose(scans, fail)?;
         self.reconstruction.place(&nodes).map_err(|refused| match self.bare_label() {
             Some(label) => input(without_nodes(Some(label))),
-            None => input(broken(refused)),
+            None => input(refused.to_string()),
         })?;
         let mut bits = BitWriter::new();
         nodes.write(&mut bits);
@@ -272,7 +272,7 @@ impl GroupEncoder {
                 Err(failure) => return Ok(Err(failure)),
             };
         let context = self.reconstruction.motion_context();
-        self.reconstruction.apply(&motion).map_err(|broken_rule| input(broken(broken_rule)))?;
+        self.reconstruction.apply(&motion).map_err(|rule| input(rule.to_string()))?;
         let positions = self.reconstruction.reference();
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
@@ -334,11 +334,5 @@ fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
 fn without_nodes(label: Option<&u8>) -> String {
     let names = kn_bitstream::BODY_LABELS;
     let part = label.and_then(|&label| names.get(usize::from(label))).map_or("a part", |l| l.0);
-    format!("{}: there is none for {part}", broken(rule::DEFORM_INFLUENCE_STRICT))
-}
-
-/// A rule that a frame would break, in the words of the specification.
-fn broken(rule: &'static str) -> String {
-    let sentence = kn_bitstream::rule::sentence(rule).unwrap_or("it cannot be coded");
-    format!("{sentence} (rule {rule})")
+    format!("{}: there is none for {part}", rule::DEFORM_INFLUENCE_STRICT)
 }

@@ -2,7 +2,7 @@
 //! that separate what is known from what is not (`spec/05-intra.md`). Encoder and decoder both
 //! run it; the symbols say what the triangle behind the gate meets.
 
-use super::rule::{self, Rule};
+use kn_bitstream::rule::{self, Rule};
 
 /// No half-edge, or no vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -255,7 +255,7 @@ impl Conquest {
 
     fn apply_close(&mut self, gate: u32) -> Result<(), Rule> {
         if !self.is_short(gate) {
-            return Err(rule::CLOSE);
+            return Err(rule::INTRA_CONNECTIVITY_CLOSE);
         }
         let (before, after) = (self.before(gate), self.after(gate));
         let tip = self.start(before);
@@ -270,7 +270,7 @@ impl Conquest {
     /// on another, the two become one.
     fn apply_jump(&mut self, gate: u32, target: u32) -> Result<(), Rule> {
         if self.edges.get(target as usize).map(|edge| edge.mate) != Some(NONE) {
-            return Err(rule::MERGE_EDGE);
+            return Err(rule::INTRA_CONNECTIVITY_MERGE);
         }
         let tip = self.start(target);
         self.require_corner(gate, tip)?;
@@ -290,13 +290,13 @@ impl Conquest {
     /// A triangle has three different vertices, and a tip at the gate's own ends would not do.
     fn require_corner(&self, gate: u32, tip: u32) -> Result<(), Rule> {
         let free = tip != self.start(gate) && tip != self.end(gate);
-        if free { Ok(()) } else { Err(rule::DEGENERATE) }
+        if free { Ok(()) } else { Err(rule::INTRA_CONNECTIVITY_TIP) }
     }
 
     fn walk(&mut self, gate: u32, steps: i32) -> Result<u32, Rule> {
         let length = u64::from(steps.unsigned_abs());
         if length > self.walk_left() {
-            return Err(rule::SPLIT_WALK);
+            return Err(rule::INTRA_CONNECTIVITY_SPLIT);
         }
         self.walked += length;
         let mut edge = gate;

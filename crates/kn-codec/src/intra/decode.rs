@@ -8,11 +8,11 @@ use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
 use super::predict::{Point, Prediction};
-use super::rule::{self, Rule};
 use super::surface::Surface;
 use super::symbols::SymbolModels;
 use super::traversal::Traversal;
 use kn_bitstream::range::RangeDecoder;
+use kn_bitstream::rule::{self, Rule};
 use kn_mesh::GridMesh;
 
 /// What a payload may ask for at most.
@@ -102,7 +102,7 @@ impl IntraDecoder {
         )?;
         let numbered = number_vertices(&self.conquest, &mut self.number);
         if numbered.checked_add(header.isolated) != Some(header.vertices) {
-            return Err(rule::VERTEX_COUNT);
+            return Err(rule::INTRA_VERTICES_COUNT);
         }
         mesh.faces.reserve(header.faces as usize);
         let corner = |edge: HalfEdge| self.number[edge.origin as usize];
@@ -127,17 +127,17 @@ impl IntraDecoder {
                 // Every triangle of a dummy lies behind a side of a real one.
                 let real = self.conquest.real_triangles();
                 if real > faces || self.conquest.triangles() > 4 * faces {
-                    return Err(rule::FACE_COUNT);
+                    return Err(rule::INTRA_FACES_COUNT);
                 }
                 if coder.is_exhausted() {
-                    return Err(rule::CONSUMED);
+                    return Err(rule::INTRA_SECTIONS_CONSUMED);
                 }
             }
         }
         if self.conquest.real_triangles() != faces {
-            return Err(rule::FACE_COUNT);
+            return Err(rule::INTRA_FACES_COUNT);
         }
-        if self.conquest.is_complete() { Ok(()) } else { Err(rule::VALENCE) }
+        if self.conquest.is_complete() { Ok(()) } else { Err(rule::INTRA_CONNECTIVITY_VALENCE) }
     }
 
     fn decode_geometry(
@@ -229,7 +229,7 @@ impl Section<'_> {
         let mut coder = RangeDecoder::new(self.bytes);
         let mut decoded = decode(&mut coder);
         if decoded.is_ok() && !coder.is_finished() {
-            decoded = Err(rule::CONSUMED);
+            decoded = Err(rule::INTRA_SECTIONS_CONSUMED);
         }
         decoded.map_err(|rule| IntraError::Malformed { rule, at: self.start + coder.position() })
     }
@@ -243,7 +243,7 @@ struct Sections<'a> {
 
 impl<'a> Sections<'a> {
     fn cut(bytes: &'a [u8], start: usize, header: &Header) -> Result<Self, IntraError> {
-        let broken = IntraError::Malformed { rule: rule::SECTIONS, at: start };
+        let broken = IntraError::Malformed { rule: rule::INTRA_SECTIONS_SIZE, at: start };
         let rest = bytes.get(start..).ok_or(broken)?;
         let (connectivity, rest) =
             rest.split_at_checked(header.connectivity_bytes as usize).ok_or(broken)?;

@@ -8,12 +8,12 @@ use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
 use super::predict::{Point, Prediction};
-use super::rule::Rule;
 use super::surface::Surface;
 use super::survey::Survey;
 use super::symbols::SymbolModels;
 use super::topology::ClosedMesh;
 use super::traversal::Traversal;
+use kn_bitstream::Rule;
 use kn_bitstream::range::RangeEncoder;
 use kn_mesh::{Grid, GridMesh};
 

@@ -3,11 +3,11 @@
 
 use super::predict::{FRACTION, Point, Prediction, predict};
 use super::residual::ErrorModels;
-use super::rule::{self, Rule};
 use super::spread::{Expected, MAGNITUDES, Spread};
 use super::surface::Surface;
 use super::traversal::Traversal;
 use kn_bitstream::range::BinaryCoder;
+use kn_bitstream::rule::{self, Rule};
 use kn_mesh::Grid;
 
 /// Models and state of one mesh's positions.
@@ -122,5 +122,5 @@ fn code_coordinate<C: BinaryCoder>(
 ) -> Result<i32, Rule> {
     let expected = expected.clamp(-Grid::LIMIT, Grid::LIMIT);
     let coordinate = expected + models.code(coder, own - expected, lean);
-    if coordinate.abs() < Grid::LIMIT { Ok(coordinate) } else { Err(rule::POSITION) }
+    if coordinate.abs() < Grid::LIMIT { Ok(coordinate) } else { Err(rule::INTRA_GEOMETRY_RANGE) }
 }

@@ -1,6 +1,6 @@
 //! The payload's header (`spec/05-intra.md`): counts and section sizes.
 
-use super::rule::{self, Rule};
+use kn_bitstream::rule::{self, Rule};
 
 /// Bit of the flags byte: the payload has labels.
 const LABELS: u8 = 1;
@@ -36,11 +36,11 @@ impl Header {
         let mut reader = Reader { bytes, at: 0 };
         let flags = reader.byte()?;
         if flags & !(LABELS | LATTICE) != 0 {
-            return Err((rule::HEADER, 0));
+            return Err((rule::INTRA_HEADER, 0));
         }
         let attributes = reader.byte()?;
         if attributes != 0 {
-            return Err((rule::ATTRIBUTES, 1));
+            return Err((rule::INTRA_HEADER_ATTRIBUTES, 1));
         }
         let header = Self {
             has_labels: flags & LABELS != 0,
@@ -87,16 +87,16 @@ impl Header {
 
     fn check(&self, payload: usize) -> Result<(), Rule> {
         if u64::from(self.vertices) + u64::from(self.faces) > DENSITY * payload as u64 {
-            return Err(rule::DENSITY);
+            return Err(rule::INTRA_COUNTS_DENSITY);
         }
         if self.isolated > self.vertices {
-            return Err(rule::VERTEX_COUNT);
+            return Err(rule::INTRA_VERTICES_COUNT);
         }
         if self.raw_faces > self.faces || self.components > self.conquered_faces() {
-            return Err(rule::FACE_COUNT);
+            return Err(rule::INTRA_FACES_COUNT);
         }
         if u64::from(self.joins) > 3 * u64::from(self.conquered_faces()) {
-            return Err(rule::JOIN);
+            return Err(rule::INTRA_JOIN_ORDER);
         }
         Ok(())
     }
@@ -109,7 +109,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn byte(&mut self) -> Result<u8, (Rule, usize)> {
-        let byte = self.bytes.get(self.at).copied().ok_or((rule::HEADER, self.at))?;
+        let byte = self.bytes.get(self.at).copied().ok_or((rule::INTRA_HEADER, self.at))?;
         self.at += 1;
         Ok(byte)
     }
@@ -125,10 +125,10 @@ impl Reader<'_> {
             if byte & 0x80 == 0 {
                 let padded = byte == 0 && place > 0;
                 let value = u32::try_from(value).ok().filter(|_| !padded);
-                return value.ok_or((rule::HEADER, start));
+                return value.ok_or((rule::INTRA_HEADER, start));
             }
         }
-        Err((rule::HEADER, start))
+        Err((rule::INTRA_HEADER, start))
     }
 }
 
@@ -159,19 +159,19 @@ mod tests {
         header.write(&mut bytes);
         let length = bytes.len();
         assert_eq!(Header::read(&bytes), Ok((header, length)));
-        assert_eq!(Header::read(&bytes[..4]), Err((rule::HEADER, 4)));
+        assert_eq!(Header::read(&bytes[..4]), Err((rule::INTRA_HEADER, 4)));
         bytes[1] = 1;
-        assert_eq!(Header::read(&bytes), Err((rule::ATTRIBUTES, 1)));
+        assert_eq!(Header::read(&bytes), Err((rule::INTRA_HEADER_ATTRIBUTES, 1)));
         bytes[..2].copy_from_slice(&[4, 0]);
-        assert_eq!(Header::read(&bytes), Err((rule::HEADER, 0)));
+        assert_eq!(Header::read(&bytes), Err((rule::INTRA_HEADER, 0)));
         let dense = Header { vertices: 1 << 20, ..Header::default() };
         let mut bytes = Vec::new();
         dense.write(&mut bytes);
-        assert_eq!(Header::read(&bytes).map_err(|(rule, _)| rule), Err(rule::DENSITY));
+        assert_eq!(Header::read(&bytes).map_err(|(rule, _)| rule), Err(rule::INTRA_COUNTS_DENSITY));
     }
 
     #[test]
     fn a_number_in_more_bytes_than_needed_is_refused() {
-        assert_eq!(Header::read(&[0, 0, 0x80, 0x00]), Err((rule::HEADER, 2)));
+        assert_eq!(Header::read(&[0, 0, 0x80, 0x00]), Err((rule::INTRA_HEADER, 2)));
     }
 }

@@ -2,8 +2,8 @@
 //! vertices (`spec/05-intra.md`). One function each is encoder and decoder.
 
 use super::conquest::{Conquest, NONE};
-use super::rule::{self, Rule};
 use kn_bitstream::range::{BinaryCoder, GammaModels, RAW_LIMIT, code_gamma};
+use kn_bitstream::rule::{self, Rule};
 
 /// Codes which vertices of the conquest repeat an earlier one: `(copy, earlier)`, copies ascending.
 /// `joins` has the right length; an encoder brings its content. Ties them in `twin` (`#M`) and
@@ -20,14 +20,15 @@ pub(super) fn code_joins<C: BinaryCoder>(
     let mut first_free = 0u32;
     for join in joins {
         let gap = code_gamma(coder, &mut gaps, join.0.wrapping_sub(first_free));
-        let copy = first_free.checked_add(gap).ok_or(rule::JOIN)?;
+        let copy = first_free.checked_add(gap).ok_or(rule::INTRA_JOIN_ORDER)?;
         let own_depth = join.0.wrapping_sub(join.1).wrapping_sub(1);
         let depth = code_gamma(coder, &mut depths, own_depth);
-        let earlier = copy.checked_sub(depth).and_then(|e| e.checked_sub(1)).ok_or(rule::JOIN)?;
+        let earlier =
+            copy.checked_sub(depth).and_then(|e| e.checked_sub(1)).ok_or(rule::INTRA_JOIN_ORDER)?;
         let is_dummy =
             |vertex: u32| conquest.vertices.get(vertex as usize).is_none_or(|vertex| vertex.dummy);
         if is_dummy(copy) || is_dummy(earlier) {
-            return Err(rule::JOIN);
+            return Err(rule::INTRA_JOIN_ORDER);
         }
         number[copy as usize] = earlier;
         twin[copy as usize] = twin[earlier as usize];
@@ -67,7 +68,7 @@ pub(super) fn code_raw_faces<C: BinaryCoder>(
         let high = coder.raw(*corner >> RAW_LIMIT, RAW_LIMIT);
         *corner = high << RAW_LIMIT | coder.raw(*corner, RAW_LIMIT);
         if *corner >= vertices {
-            return Err(rule::RAW_FACE);
+            return Err(rule::INTRA_FACES_RAW);
         }
     }
     Ok(())

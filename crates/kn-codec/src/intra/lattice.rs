@@ -2,8 +2,8 @@
 //! The lattice lists these, axis by axis, and positions are coded as ranks in the lists
 //! (`spec/05-intra.md`).
 
-use super::rule::{self, Rule};
 use kn_bitstream::range::{BinaryCoder, BitModel, GammaModels, RAW_LIMIT, code_gamma};
+use kn_bitstream::rule::{self, Rule};
 use kn_mesh::Grid;
 
 /// Gaps up to this are told apart.
@@ -56,13 +56,13 @@ impl Lattice {
         for values in &mut self.values {
             let count = code_gamma(coder, &mut counts, values.len() as u32);
             if count == 0 || count > vertices {
-                return Err(rule::LATTICE);
+                return Err(rule::INTRA_GEOMETRY_LATTICE);
             }
             let least = values.first().map_or(0, |&least| (least + Grid::LIMIT) as u32);
             let high = coder.raw(least >> RAW_LIMIT, 5) << RAW_LIMIT;
             let least = (high | coder.raw(least, RAW_LIMIT)) as i32 - Grid::LIMIT;
             if least.abs() >= Grid::LIMIT {
-                return Err(rule::LATTICE);
+                return Err(rule::INTRA_GEOMETRY_LATTICE);
             }
             let known = std::mem::replace(values, vec![least]);
             let mut before = [0; 2];
@@ -71,7 +71,7 @@ impl Lattice {
                 let gap = models.code(coder, before, own as u32);
                 let value = i64::from(values[rank - 1]) + i64::from(gap);
                 if value >= i64::from(Grid::LIMIT) {
-                    return Err(rule::LATTICE);
+                    return Err(rule::INTRA_GEOMETRY_LATTICE);
                 }
                 values.push(value as i32);
                 before = [gap, before[0]];
@@ -84,8 +84,8 @@ impl Lattice {
     pub(super) fn point(&self, ranks: [i32; 3]) -> Result<[i32; 3], Rule> {
         let mut point = [0; 3];
         for axis in 0..3 {
-            let rank = usize::try_from(ranks[axis]).map_err(|_| rule::LATTICE)?;
-            point[axis] = *self.values[axis].get(rank).ok_or(rule::LATTICE)?;
+            let rank = usize::try_from(ranks[axis]).map_err(|_| rule::INTRA_GEOMETRY_LATTICE)?;
+            point[axis] = *self.values[axis].get(rank).ok_or(rule::INTRA_GEOMETRY_LATTICE)?;
         }
         Ok(point)
     }
@@ -164,8 +164,8 @@ mod tests {
         for &point in &points {
             assert_eq!(read.point(lattice.ranks(point)), Ok(point));
         }
-        assert_eq!(read.point([0, -1, 0]), Err(rule::LATTICE));
-        assert_eq!(read.point([1771, 0, 0]), Err(rule::LATTICE));
+        assert_eq!(read.point([0, -1, 0]), Err(rule::INTRA_GEOMETRY_LATTICE));
+        assert_eq!(read.point([1771, 0, 0]), Err(rule::INTRA_GEOMETRY_LATTICE));
     }
 
     #[test]

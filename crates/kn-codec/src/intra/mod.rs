@@ -11,6 +11,8 @@
 //! [`BinaryCoder`](kn_bitstream::range::BinaryCoder): the symbols that an encoder brings and a
 //! decoder finds cannot get out of step.
 
+use kn_bitstream::Rule;
+
 mod border;
 mod conquest;
 mod decode;
@@ -23,7 +25,6 @@ mod labels;
 mod lattice;
 mod predict;
 mod residual;
-mod rule;
 mod spread;
 mod surface;
 #[cfg(feature = "encode")]
@@ -44,10 +45,10 @@ const MOST: u32 = (1 << 28) - 1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IntraError {
     /// The payload breaks a rule of the specification.
-    #[error("intra payload, byte {at}: spec rule {rule} is broken")]
+    #[error("byte {at} of the payload: the mesh breaks a rule: {rule}")]
     Malformed {
-        /// Id of the clause in `spec/05-intra.md`.
-        rule: &'static str,
+        /// The rule.
+        rule: Rule,
         /// Byte of the payload near which it shows.
         at: usize,
     },

@@ -1,7 +1,8 @@
 //! 5.2 to 5.4: connectivity. Half-edges and vertices are plain numbers, as in the text.
 
-use super::intra::{Counts, Rule};
+use super::intra::Counts;
 use super::range::{CONSUMED, Gamma, Model, Section};
+use kn_bitstream::rule::{self, Rule};
 
 const NONE: usize = usize::MAX;
 
@@ -151,7 +152,7 @@ impl Conquest {
         for corner in corners {
             self.vertices[corner].lacking -= 1;
             if self.vertices[corner].lacking < 0 {
-                return Err("intra.connectivity.valence");
+                return Err(rule::INTRA_CONNECTIVITY_VALENCE);
             }
         }
         Ok(h)
@@ -166,7 +167,7 @@ impl Conquest {
     fn apply(&mut self, gate: usize, symbol: &Symbol, tip: usize) -> Result<(), Rule> {
         let (a, b) = (self.start(gate), self.end(gate));
         if tip == a || tip == b {
-            return Err("intra.connectivity.tip");
+            return Err(rule::INTRA_CONNECTIVITY_TIP);
         }
         let (x, y) = (self.before[gate], self.after[gate]);
         let first = self.add_triangle([b, a, tip])?;
@@ -229,7 +230,7 @@ impl Conquest {
             Symbol::Jump(self.jump(gate, models, section)?)
         } else if section.decision(&mut models.is_close[1]) {
             if !short {
-                return Err("intra.connectivity.close");
+                return Err(rule::INTRA_CONNECTIVITY_CLOSE);
             }
             Symbol::Close
         } else if section.decision(&mut models.is_right) {
@@ -249,13 +250,13 @@ impl Conquest {
         if section.decision(&mut models.is_merge) {
             let e = ((section.raw(16) << 16) + section.raw(16)) as usize;
             let open = self.mate.get(e) == Some(&NONE);
-            return if open { Ok(e) } else { Err("intra.connectivity.merge") };
+            return if open { Ok(e) } else { Err(rule::INTRA_CONNECTIVITY_MERGE) };
         }
         let steps = section.gamma(&mut models.split_steps) as u64;
         let backward = section.decision(&mut models.is_backward);
         self.walked += steps;
         if self.walked > 1024 + 64 * self.corners.len() as u64 {
-            return Err("intra.connectivity.split");
+            return Err(rule::INTRA_CONNECTIVITY_SPLIT);
         }
         let links = if backward { &self.before } else { &self.after };
         Ok((0..steps).fold(gate, |h, _| links[h]))
@@ -342,15 +343,15 @@ fn conquered(
             let dummy = |v: &usize| conquest.vertices[*v].dummy;
             faces += u64::from(!conquest.corners[conquest.corners.len() - 1].iter().any(dummy));
             if faces > simple || conquest.corners.len() as u64 > 4 * simple {
-                return Err("intra.faces.count");
+                return Err(rule::INTRA_FACES_COUNT);
             }
         }
     }
     if faces != simple {
-        return Err("intra.faces.count");
+        return Err(rule::INTRA_FACES_COUNT);
     }
     if conquest.vertices.iter().any(|vertex| vertex.lacking != 0) {
-        return Err("intra.connectivity.valence");
+        return Err(rule::INTRA_CONNECTIVITY_VALENCE);
     }
     read_joins(&mut conquest, counts.joins, section)?;
     let faces = faces_of(&conquest, counts, section)?;
@@ -367,7 +368,7 @@ fn read_joins(conquest: &mut Conquest, joins: u64, section: &mut Section<'_>) ->
         let earlier = copy - 1 - section.gamma(&mut depths);
         let is_mesh = |v: i64| conquest.vertices.get(v as usize).is_some_and(|v| !v.dummy);
         if earlier < 0 || !is_mesh(copy) || !is_mesh(earlier) {
-            return Err("intra.join.order");
+            return Err(rule::INTRA_JOIN_ORDER);
         }
         let [copy_at, earlier_at] = [copy as usize, earlier as usize];
         earlier_of[copy_at] = earlier_at;
@@ -395,7 +396,7 @@ fn faces_of(
 ) -> Result<Vec<[u32; 3]>, Rule> {
     let numbers = conquest.vertices.iter().filter(|v| !v.dummy).map(|v| v.number as u64 + 1);
     if counts.vertices != counts.isolated + numbers.max().unwrap_or(0) {
-        return Err("intra.vertices.count");
+        return Err(rule::INTRA_VERTICES_COUNT);
     }
     let dummy = |v: &usize| conquest.vertices[*v].dummy;
     let simple = conquest.corners.iter().filter(|corners| !corners.iter().any(dummy));
@@ -404,7 +405,7 @@ fn faces_of(
     for _ in 0..counts.raw_faces {
         let corners = [0; 3].map(|_: i64| (section.raw(16) << 16) + section.raw(16));
         if corners.iter().any(|&corner| corner as u64 >= counts.vertices) {
-            return Err("intra.faces.raw");
+            return Err(rule::INTRA_FACES_RAW);
         }
         faces.push(corners.map(|corner| corner as u32));
     }

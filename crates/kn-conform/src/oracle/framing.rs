@@ -1,9 +1,9 @@
 //! 3.1, 3.8 and 6.1: the order of units, and the index.
 
-use super::intra::Rule;
 use crate::value::TraceLine;
+use kn_bitstream::rule::{self, Rule};
 
-const ORDER: Rule = "file.order";
+const ORDER: Rule = rule::FILE_ORDER;
 
 /// What came last, of units that are not skippable.
 #[derive(Clone, Copy, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl Framing {
                 let frames = self.groups.iter().map(|group| group.1);
                 let agrees = bytes.eq(self.group_bytes.iter().copied())
                     && frames.eq(self.group_frames.iter().copied());
-                return if agrees { Ok(()) } else { Err("index.groups.match") };
+                return if agrees { Ok(()) } else { Err(rule::INDEX_GROUPS_MATCH) };
             }
             _ => {}
         }
@@ -75,7 +75,7 @@ impl Framing {
                 if let Some(group) = self.groups.last_mut() {
                     group.1 += 1;
                     if group.1 > self.max_group_length {
-                        return Err("file.group.length");
+                        return Err(rule::FILE_GROUP_LENGTH);
                     }
                 }
             }

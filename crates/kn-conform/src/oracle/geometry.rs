@@ -1,14 +1,15 @@
 //! 5.5: positions.
 
+use kn_bitstream::rule::{self, Rule};
 use std::collections::VecDeque;
 
 use super::conquest::{next, prev};
-use super::intra::{Rule, Walk};
+use super::intra::Walk;
 use super::range::{Gamma, Model, Section};
 use super::spread::{Frame, Means, Ring, blended};
 
 const LIMIT: i64 = 1 << 20;
-const RANGE: Rule = "intra.geometry.range";
+const RANGE: Rule = rule::INTRA_GEOMETRY_RANGE;
 
 /// #V × 3.
 type Points = Vec<[i32; 3]>;
@@ -70,14 +71,14 @@ pub(super) fn geometry(
     while let Some(vertex) = geometry.next_vertex() {
         let position = geometry.vertex(vertex)?;
         if !in_list(&position) {
-            return Err("intra.geometry.lattice");
+            return Err(rule::INTRA_GEOMETRY_LATTICE);
         }
         positions[walk.conquest.vertices[vertex].number] = position;
     }
     for position in &mut positions[walk.vertices - walk.isolated as usize..] {
         *position = geometry.alone(geometry.last)?;
         if !in_list(position) {
-            return Err("intra.geometry.lattice");
+            return Err(rule::INTRA_GEOMETRY_LATTICE);
         }
     }
     geometry.section.finish()?;
@@ -89,7 +90,7 @@ pub(super) fn geometry(
 
 /// r[intra.geometry.lattice]
 fn read_lattice(section: &mut Section<'_>, vertices: usize) -> Result<[Vec<i64>; 3], Rule> {
-    const LATTICE: Rule = "intra.geometry.lattice";
+    const LATTICE: Rule = rule::INTRA_GEOMETRY_LATTICE;
     let mut longer = [[[Model::default(); 8]; 9]; 9];
     let (mut counts, mut escaped) = (Gamma::default(), Gamma::default());
     let mut lists = [const { Vec::new() }; 3];

@@ -2,14 +2,12 @@
 //!
 //! Written from the text of the specification, with no eye on speed; shares no code with kn-codec.
 
+use kn_bitstream::rule::{self, Rule};
 use kn_mesh::GridMesh;
 
 use super::conquest::{Conquest, connectivity};
 use super::geometry::geometry;
 use super::labels::labels;
-
-/// Id of the rule that a payload breaks.
-pub(super) type Rule = &'static str;
 
 /// r[intra.header]
 pub(super) struct Counts {
@@ -36,12 +34,12 @@ pub(super) struct Walk<'c> {
 
 /// The mesh of an I-frame's payload, or the rule of chapter 5 that it breaks. Memory and time are in
 /// proportion to what r[intra.counts.density] allows a payload.
-pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, &'static str> {
+pub fn decode_mesh(payload: &[u8]) -> Result<GridMesh, Rule> {
     let (counts, sections) = read_header(payload)?;
     check(&counts, payload.len() as u64)?;
     let [first, second, third] = split(sections, counts.sizes)?;
     if !counts.has_labels && !third.is_empty() {
-        return Err("intra.sections.size");
+        return Err(rule::INTRA_SECTIONS_SIZE);
     }
     let (conquest, faces) = connectivity(first, &counts)?;
     let around = (0..conquest.vertices.len())
@@ -66,13 +64,13 @@ pub(super) fn announced(payload: &[u8]) -> Result<[u64; 2], Rule> {
 
 /// The header, and the bytes behind it.
 fn read_header(payload: &[u8]) -> Result<(Counts, &[u8]), Rule> {
-    const HEADER: Rule = "intra.header";
+    const HEADER: Rule = rule::INTRA_HEADER;
     let [flags, attributes, rest @ ..] = payload else { return Err(HEADER) };
     if *flags > 3 {
         return Err(HEADER);
     }
     if *attributes != 0 {
-        return Err("intra.header.attributes");
+        return Err(rule::INTRA_HEADER_ATTRIBUTES);
     }
     let mut bytes = rest;
     let mut numbers = [0; 9];
@@ -112,22 +110,22 @@ fn read_header(payload: &[u8]) -> Result<(Counts, &[u8]), Rule> {
 
 fn check(counts: &Counts, payload_bytes: u64) -> Result<(), Rule> {
     if counts.vertices + counts.faces > 2048 * payload_bytes {
-        return Err("intra.counts.density");
+        return Err(rule::INTRA_COUNTS_DENSITY);
     }
     if counts.isolated > counts.vertices {
-        return Err("intra.vertices.count");
+        return Err(rule::INTRA_VERTICES_COUNT);
     }
-    let simple = counts.faces.checked_sub(counts.raw_faces).ok_or("intra.faces.count")?;
+    let simple = counts.faces.checked_sub(counts.raw_faces).ok_or(rule::INTRA_FACES_COUNT)?;
     if counts.components > simple {
-        return Err("intra.faces.count");
+        return Err(rule::INTRA_FACES_COUNT);
     }
-    if counts.joins > 3 * simple { Err("intra.join.order") } else { Ok(()) }
+    if counts.joins > 3 * simple { Err(rule::INTRA_JOIN_ORDER) } else { Ok(()) }
 }
 
 /// r[intra.sections.size]
 fn split(bytes: &[u8], sizes: [u64; 3]) -> Result<[&[u8]; 3], Rule> {
     if sizes.iter().sum::<u64>() != bytes.len() as u64 {
-        return Err("intra.sections.size");
+        return Err(rule::INTRA_SECTIONS_SIZE);
     }
     let (first, rest) = bytes.split_at(sizes[0] as usize);
     let (second, third) = rest.split_at(sizes[1] as usize);

@@ -1,8 +1,9 @@
 //! 5.6: labels.
 
+use kn_bitstream::Rule;
 use std::collections::VecDeque;
 
-use super::intra::{Rule, Walk};
+use super::intra::Walk;
 use super::range::{Model, Section};
 
 /// r[intra.labels.order]

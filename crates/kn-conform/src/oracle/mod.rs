@@ -17,6 +17,7 @@ mod smooth;
 mod spread;
 mod stages;
 
+use kn_bitstream::rule::{self, Rule};
 use std::collections::HashMap;
 
 use kn_mesh::GridMesh;
@@ -27,7 +28,7 @@ use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Node, Settings, Slots, bind, blend, transform};
 use framing::Framing;
-use intra::{Rule, announced};
+use intra::announced;
 use path::{Nodes, path};
 use smooth::smooth;
 
@@ -59,7 +60,7 @@ impl Spec {
         }
         // Behind the index nothing is a unit.
         let behind = |failure: Failure| match oracle.framing.finish() {
-            Ok(()) => Failure::of_rule(failure.bit, "file.order", failure.reason),
+            Ok(()) => Failure::of_rule(failure.bit, rule::FILE_ORDER, failure.reason),
             Err(_) => failure,
         };
         result.map_err(behind)?;
@@ -151,24 +152,24 @@ impl Oracle<'_> {
     fn intra_frame(&mut self) -> Result<(), Rule> {
         let Some([Value::Bytes(payload)]) = self.unit.get("intra_payload").map(Vec::as_slice)
         else {
-            return Err("unit.size.exact");
+            return Err(rule::UNIT_SIZE_EXACT);
         };
         let counts = announced(payload)?;
         for (count, column) in counts.into_iter().zip(["max_vertices", "max_faces"]) {
             let level = number(&self.header, "level");
             let most = self.spec.map(|spec| level_limit(&spec.levels, Some(level), column));
             if most.is_some_and(|most| i128::from(count) > most) {
-                return Err("intra.size.level");
+                return Err(rule::INTRA_SIZE_LEVEL);
             }
         }
         self.mesh = decode_mesh(payload)?;
         let label_set = number(&self.header, "label_set");
         if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { counts[0] } {
-            return Err("intra.labels.present");
+            return Err(rule::INTRA_LABELS_PRESENT);
         }
         let label_count = if label_set == 1 { 15 } else { number(&self.header, "label_count") };
         if self.mesh.labels.iter().any(|&label| i128::from(label) >= label_count) {
-            return Err("intra.labels.range");
+            return Err(rule::INTRA_LABELS_RANGE);
         }
         let unit = 1 << self.fraction_bits();
         let in_units = |p: &[i32; 3]| p.map(|coordinate| i64::from(coordinate) * unit);
@@ -183,10 +184,10 @@ impl Oracle<'_> {
         let vertices: Vec<[i64; 3]> =
             self.mesh.positions.iter().map(|p| p.map(i64::from)).collect();
         if vertices.is_empty() {
-            return Err("intra.vertices.nodes");
+            return Err(rule::INTRA_VERTICES_NODES);
         }
         let (gaps, deltas) = (self.numbers("node_vertex_gap"), self.numbers("node_delta"));
-        let points = node_points(&gaps, &deltas, &vertices).ok_or("nodes.vertex.range")?;
+        let points = node_points(&gaps, &deltas, &vertices).ok_or(rule::NODES_VERTEX_RANGE)?;
         let nearest = |&point: &[i64; 3]| self.vertex_label(closest(point, &vertices).unwrap_or(0));
         let labels: Vec<u8> = points.iter().map(nearest).collect();
         let unit = 1 << self.fraction_bits();
@@ -204,7 +205,7 @@ impl Oracle<'_> {
             bind(vertex, self.region_of(self.vertex_label(index)), &sites, &self.settings)
         };
         let influence: Option<_> = vertices.iter().enumerate().map(slots).collect();
-        self.influence = influence.ok_or("deform.influence.strict")?;
+        self.influence = influence.ok_or(rule::DEFORM_INFLUENCE_STRICT)?;
         self.path = path(&Nodes {
             positions: &points,
             labels: &labels,
@@ -234,13 +235,13 @@ impl Oracle<'_> {
         let moved = |(&x, slots)| blend(x, slots, &transforms, fraction_bits);
         let reference: Option<Vec<_>> =
             self.reference.iter().zip(&self.influence).map(moved).collect();
-        self.reference = reference.ok_or("deform.position.range")?;
+        self.reference = reference.ok_or(rule::DEFORM_POSITION_RANGE)?;
         let before = self.nodes.clone();
         for (node, motion) in self.nodes.iter_mut().zip(&motions) {
             for axis in 0..3 {
                 node.position[axis] += motion.translation[axis];
                 if node.position[axis].abs() >= 1 << (20 + fraction_bits) {
-                    return Err("deform.nodes.move");
+                    return Err(rule::DEFORM_NODES_MOVE);
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! Chapter 7: from the values of a P-frame to those of its nodes.
 
+use kn_bitstream::rule::{self, Rule};
 use std::collections::BTreeSet;
 
 use super::Oracle;
 use super::deform::{Motion, Node};
-use super::intra::Rule;
 
 impl Oracle<'_> {
     /// P(s), four times T(s), of 7.2.
@@ -46,7 +46,7 @@ impl Oracle<'_> {
         // r[motion.translation.range]
         let limit = 1 << (20 + self.fraction_bits());
         let inside = translations.iter().flatten().all(|t| t.abs() < limit);
-        if inside { Ok((translations, step)) } else { Err("motion.translation.range") }
+        if inside { Ok((translations, step)) } else { Err(rule::MOTION_TRANSLATION_RANGE) }
     }
 
     /// Chapter 7: the values of every node.

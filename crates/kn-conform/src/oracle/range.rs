@@ -1,7 +1,9 @@
 //! Chapter 4: decisions from the bytes of a section.
 
+use kn_bitstream::rule::{self, Rule};
+
 /// The rule of a section that is not consumed exactly.
-pub(super) const CONSUMED: &str = "intra.sections.consumed";
+pub(super) const CONSUMED: Rule = rule::INTRA_SECTIONS_CONSUMED;
 
 /// r[range.model]
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +123,7 @@ impl<'b> Section<'b> {
     }
 
     /// r[range.end]
-    pub(super) fn finish(self) -> Result<(), &'static str> {
+    pub(super) fn finish(self) -> Result<(), Rule> {
         let beyond = self.read.checked_sub(self.bytes.len());
         if beyond.is_some_and(|beyond| beyond <= 8) { Ok(()) } else { Err(CONSUMED) }
     }

@@ -1,10 +1,10 @@
 //! 9.5 and 9.6: what a frame shows, and the digests of the stages on the way to it.
 
+use kn_bitstream::rule::{self, Rule};
 use sha2::{Digest, Sha256};
 
 use super::Oracle;
 use super::deform::{Node, Transform};
-use super::intra::Rule;
 
 /// Integers as 32 bits in two's complement, little-endian.
 fn integers(list: impl IntoIterator<Item = i64>) -> Vec<u8> {
@@ -38,10 +38,10 @@ impl Oracle<'_> {
             None => true,
         };
         if !agrees("positions_digest", &[vertex_count.clone(), vertices.clone()].concat()) {
-            return Err("frame.digest.positions");
+            return Err(rule::FRAME_DIGEST_POSITIONS);
         }
         if !agrees("faces_digest", &[face_count.clone(), faces.clone()].concat()) {
-            return Err("intra.digest.faces");
+            return Err(rule::INTRA_DIGEST_FACES);
         }
         let digest = sha256(&[vertex_count, face_count, vertices, faces].concat());
         let index = self.decoded.frames.len();

@@ -8,7 +8,8 @@ use crate::intra::{IntraError, IntraLimits, decode_intra};
 use kn_bitstream::unit::{self, Unit};
 use kn_bitstream::{
     BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext, LabelSet,
-    SequenceHeader, Trace, rule,
+    SequenceHeader, Trace,
+    rule::{self, Rule},
 };
 
 impl StreamDecoder {
@@ -65,7 +66,7 @@ impl StreamDecoder {
         if self.check_digests
             && frame.faces_digest.is_some_and(|digest| digest != faces_digest(self.faces()))
         {
-            return Err(DecodeErrorKind::Digest { frame: self.frame, what: "faces" }.into());
+            return Err(self.differs(rule::INTRA_DIGEST_FACES));
         }
         self.stage = Stage::AfterIntra;
         Ok(self.finish_frame(FrameKind::Intra))
@@ -154,10 +155,15 @@ impl StreamDecoder {
             Some(digest)
                 if self.check_digests && digest != positions_digest(self.grid_positions()) =>
             {
-                Err(DecodeErrorKind::Digest { frame: self.frame, what: "positions" }.into())
+                Err(self.differs(rule::FRAME_DIGEST_POSITIONS))
             }
             _ => Ok(()),
         }
+    }
+
+    /// The frame of the current unit differs from a digest in it.
+    fn differs(&self, rule: Rule) -> DecodeError {
+        DecodeErrorKind::Digest { rule, at: 8 * self.offset, frame: self.frame }.into()
     }
 
     fn finish_frame(&mut self, kind: FrameKind) -> Step {
