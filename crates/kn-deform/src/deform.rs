@@ -1,8 +1,8 @@
 //! Deformation: every vertex is the weighted sum of what its nodes do with it.
 
 use crate::influence::Influence;
+use crate::parallel::*;
 use crate::transform::NodeTransform;
-use rayon::prelude::*;
 
 /// A decoded position left the coordinate range (`deform.position.range`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,8 +88,13 @@ impl Deformer {
                 }
                 inside
             })
-            .reduce(|| true, |a, b| a & b);
-        if inside { Ok(()) } else { Err(first_outside(self, reference, influence, limit)) }
+            // The least of all is whether all are inside.
+            .min();
+        if inside != Some(false) {
+            Ok(())
+        } else {
+            Err(first_outside(self, reference, influence, limit))
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Influence: which Q nodes move a vertex, and with which weights. Bound once per group of frames
 //! on the decoded I-frame.
 
+use crate::parallel::*;
 use crate::weights::{Distances, WeightScheme, normalised_weights};
-use rayon::prelude::*;
 
 /// Nodes and weights of every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,6 +8,7 @@
 mod deform;
 mod elementary;
 mod influence;
+mod parallel;
 mod smoothing;
 mod transform;
 mod weights;

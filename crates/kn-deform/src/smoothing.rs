@@ -1,7 +1,7 @@
 //! Smoothing of an I-frame: takes the staircase of its grid off the surface, within the grid's own
 //! uncertainty.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 /// Passes of the smoothing (`smooth.pass`).
 const PASSES: usize = 3;
