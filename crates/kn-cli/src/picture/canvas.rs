@@ -53,13 +53,21 @@ impl Canvas {
         }
     }
 
-    /// Writes a line of text, its top left corner at `at`, every dot of the font `dot` pixels wide.
-    pub(crate) fn text(&mut self, at: [usize; 2], dot: usize, colour: Colour, text: &str) {
-        for (index, character) in text.chars().enumerate() {
-            for (column, row) in font::dots(character) {
-                let x = at[0] + (index * font::ADVANCE + column) * dot;
-                self.fill([x, at[1] + row * dot], [dot, dot], colour);
-            }
+    /// Writes a line of text of this height, its top left corner at `at`.
+    pub(crate) fn text(&mut self, at: [usize; 2], height: usize, colour: Colour, text: &str) {
+        font::rasterise(text, height, |[x, y], coverage| {
+            self.blend([at[0] + x, at[1] + y], coverage, colour);
+        });
+    }
+
+    /// Mixes a colour into a pixel: 0 leaves the pixel as it is, 1 replaces it.
+    fn blend(&mut self, [x, y]: [usize; 2], share: f32, colour: Colour) {
+        if x < self.width && y < self.height {
+            let pixel = &mut self.pixels[y * self.width + x];
+            *pixel = std::array::from_fn(|i| {
+                let (under, over) = (f32::from(pixel[i]), f32::from(colour[i]));
+                (under + share * (over - under)).round() as u8
+            });
         }
     }
 
@@ -93,7 +101,7 @@ mod tests {
         let mut canvas = Canvas::new(8, 8, [0; 3]);
         canvas.fill([6, 6], [9, 9], [1; 3]);
         canvas.paste(&Canvas::new(3, 3, [2; 3]), [7, 0]);
-        canvas.text([5, 5], 3, [3; 3], "clipped");
+        canvas.text([5, 5], 30, [3; 3], "clipped");
         assert_eq!(canvas.pixel(0, 0), [0; 3]);
         assert_eq!(canvas.pixel(7, 0), [2; 3]);
     }

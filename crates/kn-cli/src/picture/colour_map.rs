@@ -1,6 +1,7 @@
 //! Numbers as colours, and the bar that explains them.
 
 use super::canvas::{Canvas, Colour};
+use super::font::{CAPTION, text_width};
 
 /// From none (pale grey) over blue, green and yellow to much (dark red): luminance falls at both
 /// ends of the yellow, so that good surfaces stay quiet and bad spots stand out.
@@ -33,11 +34,11 @@ pub(super) fn draw_scale(canvas: &mut Canvas, at: [usize; 2], width: usize, labe
     }
     let starts = [
         at[0],
-        (at[0] + width / 2).saturating_sub(super::font::text_width(labels[1]) / 2),
-        (at[0] + width).saturating_sub(super::font::text_width(labels[2])),
+        (at[0] + width / 2).saturating_sub(text_width(labels[1], CAPTION) / 2),
+        (at[0] + width).saturating_sub(text_width(labels[2], CAPTION)),
     ];
     for (label, x) in labels.into_iter().zip(starts) {
-        canvas.text([x, at[1] + HEIGHT + 4], 1, super::INK, label);
+        canvas.text([x, at[1] + HEIGHT + 4], CAPTION, super::INK, label);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Pictures in rows and columns with titles and a legend.
 
 use super::canvas::{Canvas, Colour};
-use super::{INK, PAPER, colour_map, font};
+use super::font::{self, CAPTION, TITLE};
+use super::{INK, PAPER, colour_map};
 
 /// Pictures of equal size under column titles, each row under its own title.
 pub(crate) struct Sheet {
@@ -40,7 +41,7 @@ impl Legend {
         match self {
             Self::Scale(_) => 0,
             Self::Names(names) => {
-                let widest = names.iter().map(|(_, name)| font::text_width(name)).max();
+                let widest = names.iter().map(|(_, name)| font::text_width(name, CAPTION)).max();
                 Self::PATCH + widest.unwrap_or(0) + 2 * GAP
             }
         }
@@ -61,8 +62,8 @@ impl Legend {
                 for (index, (colour, name)) in names.iter().enumerate() {
                     let x = x + index % columns * self.advance();
                     let y = y + index / columns * LINE;
-                    canvas.fill([x, y], [Self::PATCH - 4, font::LINE_HEIGHT], *colour);
-                    canvas.text([x + Self::PATCH, y], 1, INK, name);
+                    canvas.fill([x, y], [Self::PATCH - 4, CAPTION], *colour);
+                    canvas.text([x + Self::PATCH, y], CAPTION, INK, name);
                 }
             }
         }
@@ -72,7 +73,7 @@ impl Legend {
 /// Pixels around and between pictures.
 const GAP: usize = 6;
 /// Pixels of a line of titles.
-const LINE: usize = font::LINE_HEIGHT + 5;
+const LINE: usize = CAPTION + 4;
 
 impl Sheet {
     /// Lays everything out on one canvas.
@@ -89,17 +90,17 @@ impl Sheet {
         let height = GAP + 3 * LINE + self.rows.len() * row_height + foot;
 
         let mut canvas = Canvas::new(width, height, PAPER);
-        canvas.text([GAP, GAP], 2, INK, &self.title);
+        canvas.text([GAP, GAP], TITLE, INK, &self.title);
         let x_of = |column: usize| GAP + column * (cell_width + GAP);
         for (column, title) in self.columns.iter().enumerate() {
-            canvas.text([x_of(column), GAP + 2 * LINE], 1, INK, title);
+            canvas.text([x_of(column), GAP + 2 * LINE], CAPTION, INK, title);
         }
         for (row, (title, pictures)) in self.rows.iter().enumerate() {
             let y = GAP + 3 * LINE + row * row_height;
             for (column, picture) in pictures.iter().enumerate() {
                 canvas.paste(picture, [x_of(column), y + LINE]);
             }
-            canvas.text([GAP, y], 1, INK, title);
+            canvas.text([GAP, y], CAPTION, INK, title);
         }
         if let Some(legend) = &self.legend {
             legend.draw(&mut canvas, [GAP, height - foot], inside);
@@ -108,8 +109,8 @@ impl Sheet {
     }
 
     fn widest_title(&self) -> usize {
-        let rows = self.rows.iter().map(|row| font::text_width(&row.0));
-        rows.chain([2 * font::text_width(&self.title)]).max().unwrap_or(0)
+        let rows = self.rows.iter().map(|row| font::text_width(&row.0, CAPTION));
+        rows.chain([font::text_width(&self.title, TITLE)]).max().unwrap_or(0)
     }
 }
 
