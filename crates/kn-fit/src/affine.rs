@@ -1,7 +1,7 @@
 //! The stacked matrix [A|t] of a node, and how it depends on the parameters of the node.
 
-use crate::vec3::Vec3;
 use kn_deform::{Combination, NodeTransform, sin_cos};
+use kn_mesh::vec3::Vec3;
 
 /// [A|t], 3 rows of 4.
 pub(crate) type Affine = [[f64; 4]; 3];

@@ -5,8 +5,8 @@ use crate::group::Group;
 use crate::matching::{Correspondences, Match};
 use crate::sample::Sample;
 use crate::target::FitTarget;
-use crate::vec3::{Vec3, add, distance, dot, scale as scaled, unit};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use kn_mesh::vec3::{Vec3, add, distance, dot, scale as scaled, unit};
 use rayon::prelude::*;
 
 /// Opposite normals count as far apart as this many node spacings times two.

@@ -6,8 +6,8 @@
 use crate::affine::{Affine, affine};
 use crate::source::FitSource;
 use crate::surface::vertex_normals;
-use crate::vec3::{Vec3, distance, sub};
 use kn_deform::NodeTransform;
+use kn_mesh::vec3::{Vec3, distance, sub};
 use rayon::prelude::*;
 
 /// Vertices per unit of parallel work.

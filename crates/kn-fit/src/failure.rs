@@ -6,7 +6,7 @@ use crate::matching::{Correspondences, Match};
 use crate::report::FitReport;
 use crate::sample::Sample;
 use crate::target::FitTarget;
-use crate::vec3::{Vec3, add, distance, scale};
+use kn_mesh::vec3::{Vec3, add, distance, scale};
 
 /// A point is far when its distance exceeds this share of the diagonal of the target's box; far
 /// points that are nearer than that to one another belong together ...

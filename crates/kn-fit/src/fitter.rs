@@ -15,8 +15,8 @@ use crate::report::{Fit, FitReport};
 use crate::schedule::{REACH_WEIGHT, Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
-use crate::vec3::Vec3;
 use kn_deform::{Combination, NodeTransform};
+use kn_mesh::vec3::Vec3;
 
 /// The robust width is this many times the 95th percentile of the distances ...
 const WIDTH: f64 = 2.0;

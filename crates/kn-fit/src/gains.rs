@@ -7,8 +7,8 @@ use crate::options::FitOptions;
 use crate::source::FitSource;
 use crate::surface::vertex_areas;
 use crate::target::FitTarget;
-use crate::vec3::Vec3;
 use kn_deform::Combination;
+use kn_mesh::vec3::Vec3;
 
 /// Squared distances of a fit with rigid nodes, and by how much they fall with affine ones.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Distances along the mesh: shortest paths over its edges.
 
 use crate::surface::Edge;
-use crate::vec3::{Vec3, distance};
+use kn_mesh::vec3::{Vec3, distance};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 

@@ -11,7 +11,7 @@ use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::surface::{boundary_vertices, edges, vertex_areas};
 use crate::target::SAMPLES;
-use crate::vec3::{Vec3, add, distance, scale, sub};
+use kn_mesh::vec3::{Vec3, add, distance, scale, sub};
 
 /// The structure of the fits of one group of frames.
 #[derive(Debug)]

@@ -33,7 +33,6 @@ mod schedule;
 mod source;
 mod surface;
 mod target;
-mod vec3;
 
 pub use error::{FitError, Side};
 pub use failure::FitFailure;

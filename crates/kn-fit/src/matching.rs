@@ -6,7 +6,7 @@ use crate::quadratic::{Metric, Observations};
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::target::{FitTarget, on_boundary, smooth_normal};
-use crate::vec3::{Vec3, add, dot, sub, unit};
+use kn_mesh::vec3::{Vec3, add, dot, sub, unit};
 use kn_metrics::{TreeError, TriangleTree};
 use rayon::prelude::*;
 

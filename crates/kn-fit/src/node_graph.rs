@@ -1,7 +1,7 @@
 //! Which nodes are neighbours in the smoothness term.
 
 use crate::geodesic::{DistanceField, EdgeGraph};
-use crate::vec3::{Vec3, distance};
+use kn_mesh::vec3::{Vec3, distance};
 use rayon::prelude::*;
 
 /// Neighbouring nodes, each pair once, the lower index first.

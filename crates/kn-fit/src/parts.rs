@@ -5,8 +5,8 @@ use crate::group::Group;
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::target::FitTarget;
-use crate::vec3::{Vec3, add, cross, distance, dot, norm, scale, sub};
 use kn_deform::{Combination, NodeTransform};
+use kn_mesh::vec3::{Vec3, add, cross, distance, dot, norm, scale, sub};
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// A part is aligned when it has this share of the area on both meshes.

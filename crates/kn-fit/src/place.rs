@@ -5,7 +5,7 @@ use crate::error::Side;
 use crate::geodesic::{DistanceField, EdgeGraph};
 use crate::source::{check_length, check_mesh};
 use crate::surface::{edges, vertex_areas};
-use crate::vec3::{Vec3, add, distance, scale};
+use kn_mesh::vec3::{Vec3, add, distance, scale};
 
 /// A loose piece gets a node of its own when its area is at least this share of the area that one
 /// node has on average. Smaller ones follow the nodes nearest to them.

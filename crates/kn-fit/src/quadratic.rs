@@ -7,7 +7,7 @@
 
 use crate::affine::{Affine, ZERO, dot};
 use crate::pattern::BlockPattern;
-use crate::vec3::Vec3;
+use kn_mesh::vec3::Vec3;
 use rayon::prelude::*;
 
 /// A symmetric 3 × 3 matrix: xx, yy, zz, xy, xz, yz.
@@ -241,7 +241,7 @@ fn apply(metric: &Metric, v: Vec3) -> Vec3 {
 }
 
 fn dot3(a: Vec3, b: Vec3) -> f64 {
-    crate::vec3::dot(a, b)
+    kn_mesh::vec3::dot(a, b)
 }
 
 fn add(sum: &mut Affine, value: &Affine, factor: f64) {

@@ -1,7 +1,7 @@
 //! How far each point of a body reaches out: what tells a hand from a forearm in any pose.
 
 use crate::geodesic::{DistanceField, EdgeGraph};
-use crate::vec3::{Vec3, add, distance, scale};
+use kn_mesh::vec3::{Vec3, add, distance, scale};
 
 /// The middle of the surface is where it is nearest to its centroid; it goes this many times as
 /// far, so that belly and back both belong to it.

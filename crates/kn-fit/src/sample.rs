@@ -1,6 +1,6 @@
 //! Evenly spread samples of a surface's vertices.
 
-use crate::vec3::{Vec3, distance, scale};
+use kn_mesh::vec3::{Vec3, distance, scale};
 
 /// Vertices that stand for the surface around them.
 #[derive(Clone, Debug, Default)]

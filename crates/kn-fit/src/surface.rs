@@ -1,6 +1,6 @@
 //! Areas, normals, borders and edges of a triangle mesh.
 
-use crate::vec3::{Vec3, add, cross, norm, sub, unit};
+use kn_mesh::vec3::{Vec3, add, cross, norm, sub, unit};
 
 /// Twice the area of a face, along its normal.
 pub(crate) fn face_cross(positions: &[Vec3], face: [u32; 3]) -> Vec3 {

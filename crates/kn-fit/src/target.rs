@@ -6,7 +6,7 @@ use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
 use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
-use crate::vec3::{Vec3, add, dot, scale, unit};
+use kn_mesh::vec3::{Vec3, add, dot, scale, unit};
 use kn_metrics::TriangleTree;
 
 /// Points sampled on either mesh for all passes but the last.

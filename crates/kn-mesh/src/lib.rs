@@ -12,6 +12,7 @@ mod grid;
 mod mesh;
 pub mod parts;
 mod select;
+pub mod vec3;
 
 pub use bounds::BoundingBox;
 pub use clean::{CleanReport, Cleaned, clean};

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::p2s::psnr;
 use crate::tree::{TreeError, check};
-use crate::vec3::{Vec3, cross, dot, length, mul_add, scale, sub};
+use kn_mesh::vec3::{Vec3, cross, dot, mul_add, norm, scale, sub};
 
 mod grid;
 
@@ -120,7 +120,7 @@ impl PointCloud {
         let (mut unique, mut normals) = (Vec::new(), Vec::new());
         for same in points.chunk_by(|a, b| a.0 == b.0) {
             let sum = same.iter().fold([0.0; 3], |sum, (_, normal)| mul_add(sum, 1.0, *normal));
-            let length = length(sum);
+            let length = norm(sum);
             unique.push(same[0].0);
             normals.push(if length > 0.0 { scale(sum, 1.0 / length) } else { [0.0; 3] });
         }

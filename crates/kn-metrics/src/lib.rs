@@ -20,7 +20,6 @@ mod lanes;
 mod msdm2;
 mod p2s;
 mod tree;
-mod vec3;
 
 pub use bjontegaard::{BdError, BdRate, RatePoint, bd_rate};
 pub use d1d2::{Grid, PointCloud, PointDistortion, PointError, point_distortion};

@@ -7,9 +7,9 @@
 use std::borrow::Cow;
 
 use crate::tree::{TreeError, TriangleTree, check};
-use crate::vec3::Vec3;
 use curvature::Ring;
 use direction::Direction;
+use kn_mesh::vec3::Vec3;
 use topology::Topology;
 
 mod curvature;

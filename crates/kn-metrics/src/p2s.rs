@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::tree::{TreeError, TriangleTree, check};
-use crate::vec3::{Vec3, cross, length, mul_add, sub};
+use kn_mesh::vec3::{Vec3, cross, mul_add, norm, sub};
 
 /// Samples that share hints, a thread and a partial sum.
 const CHUNK: usize = 1024;
@@ -211,7 +211,7 @@ pub fn sample_surface(
 }
 
 fn area([a, b, c]: [Vec3; 3]) -> f64 {
-    0.5 * length(cross(sub(b, a), sub(c, a)))
+    0.5 * norm(cross(sub(b, a), sub(c, a)))
 }
 
 /// The point that the two-dimensional golden-ratio sequence puts into a triangle.

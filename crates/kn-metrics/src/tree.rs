@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::vec3::{Vec3, scale, sub};
+use kn_mesh::vec3::{Vec3, scale, sub};
 use triangle::Triangle;
 
 mod build;

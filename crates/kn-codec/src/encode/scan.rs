@@ -3,6 +3,7 @@
 use crate::encode::config::DistortionMeasure;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
+use kn_mesh::vec3::cross;
 use kn_mesh::{Grid, Mesh};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
 use std::sync::Arc;
@@ -145,8 +146,4 @@ pub(crate) fn to_grid_steps(positions: &[[f32; 3]], grid: Grid) -> Vec<[f64; 3]>
         std::array::from_fn(|axis| (f64::from(p[axis]) - grid.origin[axis]) / grid.step)
     };
     positions.iter().map(step).collect()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

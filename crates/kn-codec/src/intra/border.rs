@@ -3,6 +3,7 @@
 
 use super::predict::Point;
 use super::surface::{Spoke, Surface};
+use kn_mesh::vec3::norm_squared;
 
 /// How many edges away a known vertex may be.
 const RINGS: usize = 4;
@@ -83,14 +84,13 @@ pub(super) fn lean(own: &Point, samples: &[(Point, f64)]) -> usize {
 fn fitted(own: &Point, samples: &[(Point, f64)]) -> f64 {
     let away =
         |point: &Point| [0, 1, 2].map(|k| point.position[k] - own.position[k]).map(f64::from);
-    let square = |d: [f64; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let total: f64 = samples.iter().map(|(point, _)| square(away(point))).sum();
+    let total: f64 = samples.iter().map(|(point, _)| norm_squared(away(point))).sum();
     let scale = (total / samples.len() as f64).max(1.0);
     let mut normal = [[0.0; 5]; 4];
     let mut weights = 0.0;
     for (point, target) in samples {
         let d = away(point);
-        let weight = 1.0 / (square(d) / scale + NEARNESS);
+        let weight = 1.0 / (norm_squared(d) / scale + NEARNESS);
         let row = [d[0], d[1], d[2], 1.0, *target];
         weights += weight;
         for i in 0..4 {

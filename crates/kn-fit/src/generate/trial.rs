@@ -8,8 +8,8 @@ use crate::place::place_farthest;
 use crate::source::FitSource;
 use crate::surface::vertex_areas;
 use crate::target::FitTarget;
-use crate::vec3::{Vec3, distance, dot, sub};
 use kn_deform::{Influence, NodeTransform};
+use kn_mesh::vec3::{Vec3, distance, dot, sub};
 use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2Error, Msdm2Surface, TriangleTree, msdm2_one_way,
 };

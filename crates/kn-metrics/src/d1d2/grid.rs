@@ -1,7 +1,7 @@
 //! Points where the lines of a regular grid meet a mesh.
 
 use super::PointError;
-use crate::vec3::{Vec3, cross, length, scale, sub};
+use kn_mesh::vec3::{Vec3, cross, norm, scale, sub};
 
 /// The largest number of hits; 1024 lines give about a million on a scanned person.
 const MOST_POINTS: usize = 1 << 24;
@@ -62,7 +62,7 @@ impl Flat {
     /// `None` for a face without area.
     fn new(grid: &Grid, corners: [Vec3; 3]) -> Option<Self> {
         let normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
-        let length = length(normal);
+        let length = norm(normal);
         if length == 0.0 {
             return None;
         }

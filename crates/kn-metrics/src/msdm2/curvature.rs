@@ -9,7 +9,7 @@ use super::flood::{Flood, SMALLEST_PART, Spheres, Step, clip_special, parts};
 use super::machine::{Machine, QUAD, Quad, Task, dispatch, dot};
 use super::topology::{Symmetric, Topology};
 use crate::lanes::lanes;
-use crate::vec3::{Vec3, length, sub};
+use kn_mesh::vec3::{Vec3, norm, sub};
 
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 256;
@@ -51,7 +51,7 @@ impl Task for Rings<'_> {
         for (vertex, ring) in (first..).zip(out.iter_mut()) {
             let (mut sum, mut shortest_edge) = ([[0.0; 4]; 2], f64::INFINITY);
             for to in topology.neighbours(vertex) {
-                let length = length(sub(positions[to.vertex as usize], positions[vertex]));
+                let length = norm(sub(positions[to.vertex as usize], positions[vertex]));
                 shortest_edge = length.min(shortest_edge);
                 add(&mut sum, 1.0 / length, &topology.tensors[to.edge as usize]);
             }

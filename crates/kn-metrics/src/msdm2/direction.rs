@@ -12,7 +12,7 @@ use super::topology::Topology;
 use super::{Interpolation, Msdm2Direction, Msdm2Surface, radii};
 use crate::lanes::lanes;
 use crate::tree::Closest;
-use crate::vec3::{Vec3, length_squared, mul_add, sub};
+use kn_mesh::vec3::{Vec3, mul_add, norm_squared, sub};
 
 /// Radius of the statistics' neighbourhood over that of the curvature's sphere.
 const NEIGHBOURHOOD: f64 = 5.0;
@@ -281,7 +281,7 @@ impl Sphere {
         let along = sub(position(to), position(from));
         let t = clip_special(along);
         let offset = sub(position(from), position(&self.centre));
-        (t, libm::exp(self.exponent * length_squared(mul_add(offset, t, along))))
+        (t, libm::exp(self.exponent * norm_squared(mul_add(offset, t, along))))
     }
 }
 

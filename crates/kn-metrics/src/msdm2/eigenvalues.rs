@@ -112,7 +112,7 @@ fn cross<M: Machine>(a: Vector<M>, b: Vector<M>) -> Vector<M> {
 mod tests {
     use super::super::machine::Baseline;
     use super::*;
-    use crate::vec3::Vec3;
+    use kn_mesh::vec3::Vec3;
     use proptest::prelude::*;
 
     /// xx, xy, xz, yy, yz, zz.

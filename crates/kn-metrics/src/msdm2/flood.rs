@@ -5,7 +5,7 @@ use super::list::List;
 use super::machine::{Machine, Quad};
 use super::topology::{Block, Topology};
 use crate::lanes::lanes;
-use crate::vec3::{Vec3, dot, length_squared, sub};
+use kn_mesh::vec3::{Vec3, dot, norm_squared, sub};
 
 /// Concentric spheres around each vertex, one a level, the smallest first.
 ///
@@ -90,7 +90,7 @@ impl Flood {
             self.found.clear();
             for &vertex in self.wave.as_slice() {
                 let offset = sub(positions[vertex as usize], origin);
-                let distance_squared = length_squared(offset);
+                let distance_squared = norm_squared(offset);
                 let level = spheres.level_of(distance_squared);
                 self.reached[level].push_if(true, Reached { vertex, distance_squared });
                 let start = Start { vertex, origin, offset, distance_squared, level };
@@ -186,7 +186,7 @@ impl Start {
                 continue;
             }
             ahead.used |= 1 << lane;
-            let end_squared = length_squared(sub(to, self.origin));
+            let end_squared = norm_squared(sub(to, self.origin));
             for level in self.level..=spheres.last() {
                 // An edge without length leaves every sphere, as in the reference.
                 let leaves = end_squared > spheres.radii_squared[level] || end_squared == 0.0;
@@ -240,7 +240,7 @@ pub(super) fn parts<M: Machine>(a: Quad<M>, b: Quad<M>, c: Quad<M>) -> Quad<M> {
 
 /// The part of an edge that [`parts`] has none for, as in the reference.
 pub(super) fn clip_special(along: Vec3) -> f64 {
-    if length_squared(along) == 0.0 { 1.0 } else { 0.01 }
+    if norm_squared(along) == 0.0 { 1.0 } else { 0.01 }
 }
 
 #[cfg(test)]
@@ -267,7 +267,7 @@ mod tests {
                         vertex: step.from,
                         origin,
                         offset: step.offset,
-                        distance_squared: length_squared(step.offset),
+                        distance_squared: norm_squared(step.offset),
                         level: step.level,
                     };
                     let exact = start.exactly_ahead(step.block, &positions, &spheres);

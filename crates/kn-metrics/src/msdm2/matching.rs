@@ -2,7 +2,7 @@
 
 use super::Msdm2Surface;
 use crate::tree::Closest;
-use crate::vec3::{Vec3, length, sub};
+use kn_mesh::vec3::{Vec3, norm, sub};
 
 /// The closest point on `original` for each of `points`.
 ///
@@ -27,11 +27,11 @@ pub(super) fn closest_faces(original: &Msdm2Surface, points: &[Vec3]) -> Vec<Clo
 /// by Heron's formula as in the reference, over their sum. Equal weights if all are zero.
 pub(super) fn opposite_areas(original: &Msdm2Surface, closest: &Closest, vertex: Vec3) -> Vec3 {
     let [a, b, c] = original.faces[closest.face as usize].map(|v| original.positions[v as usize]);
-    let to = [a, b, c].map(|corner| length(sub(corner, vertex)));
+    let to = [a, b, c].map(|corner| norm(sub(corner, vertex)));
     let areas = [
-        heron(to[1], to[2], length(sub(c, b))),
-        heron(to[2], to[0], length(sub(a, c))),
-        heron(to[0], to[1], length(sub(b, a))),
+        heron(to[1], to[2], norm(sub(c, b))),
+        heron(to[2], to[0], norm(sub(a, c))),
+        heron(to[0], to[1], norm(sub(b, a))),
     ];
     let whole = areas[0] + areas[1] + areas[2];
     if whole > 0.0 { areas.map(|area| area / whole) } else { [1.0 / 3.0; 3] }

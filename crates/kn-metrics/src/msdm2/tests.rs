@@ -4,7 +4,7 @@ use super::direction::Scratch;
 use super::machine::Baseline;
 use super::*;
 use crate::tree::Closest;
-use crate::vec3::distance_squared;
+use kn_mesh::vec3::distance_squared;
 
 /// A torus of `around × across` quads cut into triangles; `bump` moves each vertex along its
 /// normal by a value from −1..=1.
@@ -353,7 +353,7 @@ fn score_by(original: &Msdm2Surface, distorted: &Msdm2Surface, choice: Choice) -
             let closest = Closest { face, ..*closest };
             let weights = matching::opposite_areas(original, &closest, distorted.positions[vertex]);
             let corners = original.faces[face as usize].map(|corner| other[corner as usize]);
-            choice(face, crate::vec3::dot(weights, corners), own[vertex])
+            choice(face, kn_mesh::vec3::dot(weights, corners), own[vertex])
         };
         let faces = tied(original, &around, closest);
         let best = faces.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));

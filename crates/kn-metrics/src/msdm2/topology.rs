@@ -2,7 +2,7 @@
 
 use super::machine::{LANES, Machine};
 use crate::lanes::lanes;
-use crate::vec3::{Vec3, cross, dot, length, length_squared, scale, sub};
+use kn_mesh::vec3::{Vec3, cross, dot, norm, norm_squared, scale, sub};
 
 /// The upper triangle of a symmetric matrix, filled up with zeros: xx, xy, xz, yy, and yz, zz, 0, 0.
 pub(super) type Symmetric = [[f64; 4]; 2];
@@ -123,7 +123,7 @@ impl Block {
         for (lane, &neighbour) in neighbours.iter().enumerate() {
             let along = scale(sub(positions[neighbour.vertex as usize], positions[from]), to_unit);
             (block.vertices[lane], block.edges[lane]) = (neighbour.vertex, neighbour.edge);
-            block.squares[lane] = length_squared(along) as f32;
+            block.squares[lane] = norm_squared(along) as f32;
             for axis in 0..3 {
                 let along = along[axis] as f32;
                 block.along[axis][lane] = along;
@@ -229,7 +229,7 @@ fn group<T: Copy, I: Iterator<Item = (u32, T)>>(
 /// Not a number for a face without area.
 fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let normal = cross(sub(b, a), sub(c, a));
-    scale(normal, 1.0 / length(normal))
+    scale(normal, 1.0 / norm(normal))
 }
 
 /// What an edge between two faces adds if it lies inside the sphere as a whole.
@@ -239,7 +239,7 @@ fn edge_tensor(around: &[Side], along: Vec3, normals: &[Vec3]) -> Symmetric {
     // the same way, which a half-edge structure cannot hold, count in the order of their indices.
     let (first, second) = if one.forward && !other.forward { (other, one) } else { (one, other) };
     let (n1, n2) = (normals[first.face as usize], normals[second.face as usize]);
-    let length = length(along);
+    let length = norm(along);
     let angle = libm::asin(dot(cross(n1, n2), scale(along, 1.0 / length)).clamp(-1.0, 1.0));
     let [x, y, z] = along;
     let rows = [[x * x, x * y, x * z, y * y], [y * z, z * z, 0.0, 0.0]];

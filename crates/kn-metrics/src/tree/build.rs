@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::node::{Bounds, CHILDREN, Child, LANES, Leaf, Node};
-use crate::vec3::Vec3;
+use kn_mesh::vec3::Vec3;
 
 const BINS: usize = 16;
 

@@ -5,7 +5,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use crate::vec3::{Vec3, cross, dot, length, scale, sub};
+use kn_mesh::vec3::{Vec3, cross, dot, norm, scale, sub};
 
 /// Triangles of a leaf.
 pub(super) const LANES: usize = 4;
@@ -236,7 +236,7 @@ fn outward_of_sides(corners: [Vec3; 3], normal: Vec3) -> Option<[Vec3; 3]> {
 }
 
 fn unit(vector: Vec3) -> Option<Vec3> {
-    let length = length(vector);
+    let length = norm(vector);
     // Below this the product of two normalised sides is mostly rounding.
     (length > 1e-15).then(|| scale(vector, 1.0 / length))
 }

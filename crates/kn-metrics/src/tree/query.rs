@@ -5,7 +5,7 @@ use super::node::{CHILDREN, Child, Lanes, Query, ROUNDING};
 use super::triangle::Foot;
 use super::{Closest, TriangleTree};
 use crate::lanes::lanes;
-use crate::vec3::Vec3;
+use kn_mesh::vec3::Vec3;
 
 /// Beyond this many half sides of the box a bound in binary32 may overflow.
 const FAR: f64 = 1e15;

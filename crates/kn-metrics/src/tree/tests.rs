@@ -1,14 +1,14 @@
 use proptest::prelude::*;
 
 use super::{TreeError, TriangleTree};
-use crate::vec3::{Vec3, cross, distance_squared, dot, length_squared, mul_add, sub};
+use kn_mesh::vec3::{Vec3, cross, distance_squared, dot, mul_add, norm_squared, sub};
 
 /// The closest point straight from the definition: the foot on the plane if it is inside, else
 /// the best of the three sides.
 fn distance_to_face(point: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
     let to_segment = |a: Vec3, b: Vec3| {
         let ab = sub(b, a);
-        let t = dot(sub(point, a), ab) / length_squared(ab);
+        let t = dot(sub(point, a), ab) / norm_squared(ab);
         let t = if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 };
         distance_squared(point, mul_add(a, t, ab))
     };
@@ -16,7 +16,7 @@ fn distance_to_face(point: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
     let side = |a: Vec3, b: Vec3| dot(cross(sub(b, a), sub(point, a)), normal) > 0.0;
     let sides = to_segment(a, b).min(to_segment(b, c)).min(to_segment(c, a));
     if side(a, b) && side(b, c) && side(c, a) {
-        sides.min(dot(sub(point, a), normal).powi(2) / length_squared(normal))
+        sides.min(dot(sub(point, a), normal).powi(2) / norm_squared(normal))
     } else {
         sides
     }
@@ -47,7 +47,7 @@ fn assert_closest(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), queries: &[Vec3]) {
             .iter()
             .map(|face| distance_to_face(query, face.map(|v| positions[v as usize])))
             .fold(f64::INFINITY, f64::min);
-        let tolerance = 1e-12 * (1.0 + length_squared(query));
+        let tolerance = 1e-12 * (1.0 + norm_squared(query));
         assert!((found.distance_squared - nearest).abs() < tolerance, "{found:?} {nearest}");
         let weights = found.barycentric;
         assert!(weights.iter().all(|&w| w >= 0.0) && (weights.iter().sum::<f64>() - 1.0) < 1e-14);

@@ -1,6 +1,6 @@
 //! The exact closest point on one triangle, in binary64.
 
-use crate::vec3::{Vec3, cross, distance_squared, dot, length_squared, mul_add, scale, sub};
+use kn_mesh::vec3::{Vec3, cross, distance_squared, dot, mul_add, norm_squared, scale, sub};
 
 /// Squared ratio of the height to the longest side, below which barycentric coordinates have too
 /// few digits to say alone which sides a point can see.
@@ -40,8 +40,8 @@ impl Triangle {
         let corners = order.map(|corner| face[usize::from(corner)]);
         let (ab, ac) = (sub(corners[1], corners[0]), sub(corners[2], corners[0]));
         let normal = cross(ab, ac);
-        let area = length_squared(normal);
-        let longest = [ab, ac, sub(corners[2], corners[1])].map(length_squared);
+        let area = norm_squared(normal);
+        let longest = [ab, ac, sub(corners[2], corners[1])].map(norm_squared);
         let longest = longest.into_iter().fold(0.0, f64::max);
         let thin = area <= THIN * longest * longest;
         let gradients = if area > 0.0 && area.recip().is_finite() {
@@ -128,7 +128,7 @@ impl Triangle {
 fn closest_on_segment(point: Vec3, a: Vec3, b: Vec3) -> (f64, Vec3) {
     let ab = sub(b, a);
     let along = dot(sub(point, a), ab);
-    let whole = length_squared(ab);
+    let whole = norm_squared(ab);
     if along >= whole && whole > 0.0 {
         (1.0, b)
     } else if along > 0.0 {
