@@ -2,8 +2,9 @@
 //! P-frame, and the deformation kernel alone. On one core.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use kn_bitstream::params::{InfluenceMode, Weights};
 use kn_codec::{Encoder, EncoderConfig, Limits, Progress, StreamDecoder};
-use kn_deform::{BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme};
+use kn_deform::{BindOptions, Deformer, Influence, NodeTransform};
 use kn_mesh::{Grid, Mesh};
 use kn_performer::{Performer, PerformerConfig};
 use std::hint::black_box;
@@ -63,7 +64,7 @@ fn deform_vertices(criterion: &mut Criterion) {
     let nodes: Vec<[i32; 3]> = positions.iter().step_by(VERTICES / NODES).copied().collect();
     let options = BindOptions {
         nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
+        weights: Weights::INVERSE_SQUARE,
         mode: InfluenceMode::Strict,
     };
     let (vertex_regions, node_regions) = (vec![0; positions.len()], vec![0; nodes.len()]);

@@ -2,7 +2,8 @@
 //! eight combinations, the node generator (which may take three first frames a group).
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use kn_deform::{BindOptions, Combination, Influence, InfluenceMode, WeightScheme, bind};
+use kn_bitstream::params::{Combination, InfluenceMode, Weights};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
     FitError, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount, NodeSource,
     RankBy, generate_nodes, place_farthest,
@@ -21,7 +22,7 @@ fn fit(criterion: &mut Criterion) {
         let sites: Vec<[i32; 3]> = chosen.iter().map(|&v| grid[v as usize]).collect();
         let options = BindOptions {
             nodes_per_vertex: 4,
-            weights: WeightScheme::Sumner,
+            weights: Weights::SUMNER,
             mode: InfluenceMode::Fallback,
         };
         let regions = (vec![0; grid.len()], vec![0; sites.len()]);

@@ -3,10 +3,8 @@
 mod common;
 
 use common::{decode, encode, performer, small_config};
-use kn_codec::{
-    AffineChoice, Decoder, EncoderConfig, FrameKind, GridChoice, NamePattern, SmoothingChoice,
-};
-use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use kn_bitstream::params::{Combination, FileNames, InfluenceMode, Weights};
+use kn_codec::{AffineChoice, Decoder, EncoderConfig, FrameKind, GridChoice, SmoothingChoice};
 use kn_mesh::Mesh;
 use std::io::Cursor;
 
@@ -20,7 +18,7 @@ fn digests_hold(frames: &[Mesh], config: EncoderConfig) {
 fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
     for combination in Combination::ALL {
-        for affine in [AffineChoice::Labels(vec![7]), AffineChoice::All] {
+        for affine in [AffineChoice::torso(), AffineChoice::All] {
             let combination = combination.into();
             digests_hold(&frames, EncoderConfig { combination, affine, ..small_config() });
         }
@@ -31,8 +29,8 @@ fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
 #[test]
 fn every_weight_scheme_mode_and_precision_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
-    let gaussian = WeightScheme::Gaussian { sigma: 60 };
-    for weights in [WeightScheme::InverseSquare, WeightScheme::Sumner, gaussian] {
+    let gaussian = Weights::gaussian(60);
+    for weights in [Weights::INVERSE_SQUARE, Weights::SUMNER, gaussian] {
         digests_hold(&frames, EncoderConfig { weights, ..small_config() });
     }
     for nodes_per_vertex in [1, 2, 8] {
@@ -48,7 +46,7 @@ fn every_weight_scheme_mode_and_precision_decodes_to_the_encoders_frames() {
 fn scans_without_labels_are_coded() {
     let mut frames = performer(4, 2000);
     frames.iter_mut().for_each(|frame| frame.labels.clear());
-    for affine in [AffineChoice::Labels(vec![7]), AffineChoice::All] {
+    for affine in [AffineChoice::torso(), AffineChoice::All] {
         digests_hold(&frames, EncoderConfig { affine, ..small_config() });
     }
 }
@@ -147,7 +145,7 @@ fn on_grid(position: [f32; 3], scan: &Mesh, step: f64) -> [i32; 3] {
 
 #[test]
 fn frames_are_named_by_the_pattern() {
-    let names = Some(NamePattern { prefix: "dance_".into(), digits: 4, first: 17 });
+    let names = Some(FileNames { prefix: "dance_".into(), digits: 4, first: 17 });
     let stream = encode(&performer(2, 1200), EncoderConfig { names, ..small_config() });
     let mut decoder = Decoder::new(Cursor::new(&stream)).expect("a stream");
     let mut mesh = Mesh::default();

@@ -1,15 +1,14 @@
 //! The walkthroughs of chapters 4, 5 and 8: every number in them is computed again, by a literal
 //! reading here, and what they arrive at is compared with the decoder's.
 
+use kn_bitstream::params::{InfluenceMode, Weights};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
 use kn_bitstream::range::{BinaryCoder, BitModel, RangeDecoder};
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
-use kn_deform::{
-    BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, WeightScheme, bind, sin_cos,
-};
+use kn_deform::{BindOptions, Deformer, Influence, NodeTransform, bind, sin_cos};
 use kn_mesh::GridMesh;
 
 /// The lines of the one block of this kind in a chapter.
@@ -144,7 +143,7 @@ fn the_vertex_of_chapter_8_moves_as_written() {
     assert_eq!(lines, written, "\n{}", written.join("\n"));
     let options = BindOptions {
         nodes_per_vertex: 2,
-        weights: WeightScheme::Gaussian { sigma: 20 },
+        weights: Weights::gaussian(20),
         mode: InfluenceMode::Strict,
     };
     let mut influence = Influence::default();

@@ -2,12 +2,12 @@
 //! not.
 #![no_main]
 
+use kn_bitstream::params::{BodyPart, Combination, InfluenceMode, Weights};
 use std::io::Cursor;
 
 use kn_bitstream::MAX_SMOOTHING;
 use kn_codec::{AffineChoice, CombinationChoice, Decoder, Encoder, EncoderConfig, GridChoice};
 use kn_codec::{LabelChoice, NodeChoice, SmoothingChoice, StepChoice};
-use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
@@ -72,16 +72,16 @@ impl Case {
                 0 => AffineChoice::None,
                 1 => AffineChoice::All,
                 2 => AffineChoice::Cost,
-                _ => AffineChoice::Labels(vec![self.affine % 15]),
+                _ => AffineChoice::Labels(BodyPart::from_label(self.affine % 15).into_iter().collect()),
             },
             smoothing: match self.affine / 4 % 8 {
                 strength if strength <= MAX_SMOOTHING => SmoothingChoice::Strength(strength),
                 _ => SmoothingChoice::Auto,
             },
             weights: match self.weights % 3 {
-                0 => WeightScheme::InverseSquare,
-                1 => WeightScheme::Sumner,
-                _ => WeightScheme::Gaussian { sigma: 1 + u32::from(self.weights) },
+                0 => Weights::INVERSE_SQUARE,
+                1 => Weights::SUMNER,
+                _ => Weights::gaussian(1 + u32::from(self.weights)),
             },
             influence: if self.strict { InfluenceMode::Strict } else { InfluenceMode::Fallback },
             motion_step: match self.motion_step {

@@ -1,9 +1,9 @@
 //! The frame header and the I-frame (chapters 3.4 and 3.5).
 
 use crate::error::Error;
+use crate::params::name_text;
 use crate::reader::BitReader;
 use crate::rule;
-use crate::sequence::name_text;
 use crate::writer::BitWriter;
 
 /// What stands before every frame.

@@ -7,6 +7,7 @@ mod index;
 mod level;
 mod motion;
 mod nodes;
+pub mod params;
 pub mod range;
 mod reader;
 pub mod rule;
@@ -22,16 +23,11 @@ pub use frame::{FrameHeader, IntraFrame, MAX_SMOOTHING};
 pub use huffman::{CauchyTable, TABLE_COUNT, cauchy_table};
 pub use index::{Index, IndexGroup, TAIL_BYTES, index_size};
 pub use level::{COORDINATE_LIMIT, Level};
-pub use motion::{
-    Components, MotionContext, MotionFrame, TranslationMode, parameter_step, translation_step,
-};
+pub use motion::{MotionContext, MotionFrame, parameter_step, translation_step};
 pub use nodes::{AffineNodes, KeyNodes, KeyNodesContext, NodeSites};
 pub use reader::{BitReader, HUFFMAN_VALUE_LIMIT, RICE_UNARY_LIMIT, UE_UNARY_LIMIT};
 pub use rule::Rule;
-pub use sequence::{
-    BODY_LABELS, FileNames, InfluenceMode, LabelSet, PROFILE_MAIN, SequenceHeader, UnitOfLength,
-    VERSION, WeightScheme, name_text,
-};
+pub use sequence::{PROFILE_MAIN, SequenceHeader, VERSION};
 pub use symbol::{EntropyMode, Symbol, SymbolCoder, ValueList};
 pub use trace::{Element, Name, Trace, Value};
 pub use writer::{BitWriter, best_rice};

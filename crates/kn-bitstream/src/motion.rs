@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::frame::FrameHeader;
 use crate::huffman::TABLE_COUNT;
+use crate::params::{Combination, TranslationMode};
 use crate::reader::BitReader;
 use crate::rule;
 use crate::symbol::{Bounds, EntropyMode, List, ValueList};
@@ -21,19 +22,6 @@ pub struct MotionContext {
     pub previous_table: Option<u8>,
 }
 
-/// What translations are predicted from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum TranslationMode {
-    /// Nothing.
-    #[default]
-    Direct,
-    /// The node before on a path over the influence graph.
-    Spatial,
-    /// The node's own translation in the frame before and a change that its part has in common.
-    SpatioTemporal,
-}
-
 /// The motion of a P-frame in quantised values.
 ///
 /// The lists run over the nodes that carry the component, in node order: `translation` over all,
@@ -47,8 +35,8 @@ pub struct MotionFrame {
     pub entropy_mode: EntropyMode,
     /// What `translation` is relative to.
     pub translation_mode: TranslationMode,
-    /// Components of the affine nodes.
-    pub enabled: Components,
+    /// Combination of the affine nodes.
+    pub enabled: Combination,
     /// s of [`translation_step`], below 64.
     pub translation_step: u8,
     /// Huffman table of the translations.
@@ -74,27 +62,7 @@ pub struct MotionFrame {
     pub shear: Vec<[i32; 3]>,
 }
 
-/// Which components affine nodes carry beside their translation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Components {
-    /// R.
-    pub rotation: bool,
-    /// S.
-    pub scale: bool,
-    /// H.
-    pub shear: bool,
-}
-
 impl TranslationMode {
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Spatial => "spatial",
-            Self::SpatioTemporal => "spatio-temporal",
-        }
-    }
-
     fn read(bits: &mut BitReader<'_, '_>, context: &MotionContext) -> Result<Self, Error> {
         let mode = match bits.u("translation_mode", 2)? {
             0 => Self::Direct,
@@ -108,13 +76,13 @@ impl TranslationMode {
     }
 }
 
-impl Components {
+impl MotionContext {
     /// How many nodes carry rotation, scale and shear.
-    pub fn counts(&self, context: &MotionContext) -> [u32; 3] {
-        let affine = context.affine_count;
-        let rigid = context.node_count - affine.min(context.node_count);
+    pub fn carriers(&self, enabled: Combination) -> [u32; 3] {
+        let affine = self.affine_count;
+        let rigid = self.node_count - affine.min(self.node_count);
         let if_enabled = |flag: bool| if flag { affine } else { 0 };
-        [rigid + if_enabled(self.rotation), if_enabled(self.scale), if_enabled(self.shear)]
+        [rigid + if_enabled(enabled.rotation), if_enabled(enabled.scale), if_enabled(enabled.shear)]
     }
 }
 
@@ -149,9 +117,9 @@ impl MotionFrame {
         self.enabled.rotation = bits.flag("rotation_enabled")?;
         self.enabled.scale = bits.flag("scale_enabled")?;
         self.enabled.shear = bits.flag("shear_enabled")?;
-        let carried = context.affine_count > 0 || self.enabled == Components::default();
+        let carried = context.affine_count > 0 || self.enabled == Combination::default();
         bits.require(carried, rule::MOTION_ENABLED_AFFINE)?;
-        self.read_steps(bits, self.enabled.counts(context))?;
+        self.read_steps(bits, context.carriers(self.enabled))?;
         let lists = self.lists(context);
         self.entropy_mode.read_lists(
             bits,
@@ -180,7 +148,7 @@ impl MotionFrame {
 
     /// The lists of the frame in the order of the stream.
     fn lists(&self, context: &MotionContext) -> [List; 5] {
-        let [rotations, scales, shears] = self.enabled.counts(context);
+        let [rotations, scales, shears] = context.carriers(self.enabled);
         let (parts, change_table) = self.changes(context);
         let translation = |list, count, table| List { list, count, table, bounds: None };
         let parameter = |list, count, step, range, rule| {
@@ -253,8 +221,8 @@ mod tests {
         prop::collection::vec(prop::array::uniform3(-limit..=limit), count as usize)
     }
 
-    fn components() -> impl Strategy<Value = Components> {
-        any::<[bool; 3]>().prop_map(|[rotation, scale, shear]| Components {
+    fn components() -> impl Strategy<Value = Combination> {
+        any::<[bool; 3]>().prop_map(|[rotation, scale, shear]| Combination {
             rotation,
             scale,
             shear,
@@ -284,8 +252,8 @@ mod tests {
         let context = context()
             .prop_flat_map(|context| (Just(context), prop::sample::select(modes(&context))));
         (context, components()).prop_flat_map(|((context, translation_mode), enabled)| {
-            let enabled = if context.affine_count > 0 { enabled } else { Components::default() };
-            let [rotations, scales, shears] = enabled.counts(&context);
+            let enabled = if context.affine_count > 0 { enabled } else { Combination::default() };
+            let [rotations, scales, shears] = context.carriers(enabled);
             let temporal = translation_mode == TranslationMode::SpatioTemporal;
             let lists = (
                 triples(1 << 12, if temporal { context.part_count } else { 0 }),
@@ -369,7 +337,7 @@ mod tests {
     fn a_scale_never_reflects() {
         let context = MotionContext { node_count: 1, affine_count: 1, ..MotionContext::default() };
         let frame = |q| MotionFrame {
-            enabled: Components { scale: true, ..Components::default() },
+            enabled: Combination { scale: true, ..Combination::default() },
             scale_step: 40, // 2^12 units of 2^-16: q = -16 takes the scale to zero.
             translation: vec![[0; 3]],
             scale: vec![[q, 0, 0]],
@@ -384,7 +352,7 @@ mod tests {
     fn rigid_nodes_enable_nothing() {
         let context = MotionContext { node_count: 1, ..MotionContext::default() };
         let frame = MotionFrame {
-            enabled: Components { shear: true, ..Components::default() },
+            enabled: Combination { shear: true, ..Combination::default() },
             translation: vec![[0; 3]],
             rotation: vec![[0; 3]],
             ..MotionFrame::default()

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::level::COORDINATE_LIMIT;
+use crate::params::WeightScheme;
 use crate::reader::BitReader;
 use crate::rule;
-use crate::sequence::WeightScheme;
 use crate::writer::{BitWriter, best_rice, zigzag};
 
 /// What must be known to read key nodes.

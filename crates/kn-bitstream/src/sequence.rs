@@ -2,6 +2,9 @@
 
 use crate::error::Error;
 use crate::level::Level;
+use crate::params::{
+    FileNames, FrameRate, InfluenceMode, LabelSet, UnitOfLength, UpAxis, WeightScheme, name_text,
+};
 use crate::reader::BitReader;
 use crate::rule;
 use crate::writer::BitWriter;
@@ -16,10 +19,10 @@ pub const PROFILE_MAIN: u8 = 0;
 pub struct SequenceHeader {
     /// Number of the level whose limits the stream keeps.
     pub level: u8,
-    /// Frames per second as numerator and denominator, both at least 1.
-    pub frame_rate: [u32; 2],
-    /// The axis that points up: 0 x, 1 y, 2 z.
-    pub up_axis: u8,
+    /// Frames per second.
+    pub frame_rate: FrameRate,
+    /// The axis that points up.
+    pub up_axis: UpAxis,
     /// What a world unit is.
     pub unit_of_length: UnitOfLength,
     /// Fractional bits of a reference position, 0 to 8.
@@ -42,117 +45,6 @@ pub struct SequenceHeader {
     pub names: Option<FileNames>,
 }
 
-/// What a world unit is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-#[expect(missing_docs, reason = "the variants say it")]
-pub enum UnitOfLength {
-    #[default]
-    Unspecified,
-    Metre,
-    Centimetre,
-    Millimetre,
-    Inch,
-    Foot,
-}
-
-/// How the weight of a node falls with its distance d from the vertex.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum WeightScheme {
-    /// 1/d², bi-modal paper.
-    #[default]
-    InverseSquare,
-    /// (1 − d/d_{Q+1})², Sumner 2007.
-    Sumner,
-    /// exp(−d²/2σ²), σ sent with the key nodes.
-    Gaussian,
-}
-
-/// What happens to a vertex whose region has no node.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum InfluenceMode {
-    /// The stream is malformed.
-    #[default]
-    Strict,
-    /// The nearest nodes of any region take over.
-    Fallback,
-}
-
-/// Which labels vertices have, and the region of each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum LabelSet {
-    /// One label, one region.
-    #[default]
-    None,
-    /// The bi-modal paper's 14 parts and `Other`: see [`BODY_LABELS`].
-    Body,
-    /// The region (below 64) of each of 1 to 64 labels.
-    Custom(Vec<u8>),
-}
-
-/// Names and regions of the labels of [`LabelSet::Body`].
-///
-/// Regions: 0 head, 1 torso, 2 left arm, 3 right arm, 4 left leg, 5 right leg, 6 other.
-pub const BODY_LABELS: [(&str, u8); 15] = [
-    ("Head", 0),
-    ("Left upper arm", 2),
-    ("Left lower arm", 2),
-    ("Left hand", 2),
-    ("Right upper arm", 3),
-    ("Right lower arm", 3),
-    ("Right hand", 3),
-    ("Torso", 1),
-    ("Left thigh", 4),
-    ("Left leg", 4),
-    ("Left foot", 4),
-    ("Right thigh", 5),
-    ("Right leg", 5),
-    ("Right foot", 5),
-    ("Other", 6),
-];
-
-/// The input file of frame f was called `prefix`, then `first` + f in at least `digits` digits.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileNames {
-    /// Up to 255 bytes; see rule `name.characters`.
-    pub prefix: String,
-    /// At most 9.
-    pub digits: u8,
-    /// Number of the first frame.
-    pub first: u32,
-}
-
-impl FileNames {
-    /// Name of frame `frame`, without folder and extension.
-    pub fn of_frame(&self, frame: u32) -> String {
-        let number = u64::from(self.first) + u64::from(frame);
-        format!("{}{number:0width$}", self.prefix, width = usize::from(self.digits))
-    }
-}
-
-impl LabelSet {
-    /// Number of labels.
-    pub fn label_count(&self) -> u32 {
-        match self {
-            Self::None => 1,
-            Self::Body => BODY_LABELS.len() as u32,
-            Self::Custom(regions) => regions.len() as u32,
-        }
-    }
-
-    /// Region of a label, `None` for a label that is not in the set.
-    pub fn region(&self, label: u8) -> Option<u8> {
-        let label = usize::from(label);
-        match self {
-            Self::None => (label == 0).then_some(0),
-            Self::Body => BODY_LABELS.get(label).map(|&(_, region)| region),
-            Self::Custom(regions) => regions.get(label).copied(),
-        }
-    }
-}
-
 impl SequenceHeader {
     /// The limits of the stream's level.
     pub fn limits(&self) -> Option<Level> {
@@ -168,10 +60,10 @@ impl SequenceHeader {
         let level = bits.u8("level", 8)?;
         let limits = Level::numbered(level);
         let limits = limits.ok_or(Error::unsupported(rule::HEADER_LEVEL_KNOWN, bits.position()))?;
-        let frame_rate = [bits.uleb("frame_rate_numerator")?, bits.uleb("frame_rate_denominator")?];
-        bits.require(!frame_rate.contains(&0), rule::HEADER_RATE_RANGE)?;
-        let up_axis = bits.u8("up_axis", 2)?;
-        bits.require(up_axis < 3, rule::HEADER_AXIS_RANGE)?;
+        let numerator = bits.uleb("frame_rate_numerator")?;
+        let denominator = bits.uleb("frame_rate_denominator")?;
+        bits.require(numerator > 0 && denominator > 0, rule::HEADER_RATE_RANGE)?;
+        let up_axis = UpAxis::read(bits)?;
         let unit_of_length = UnitOfLength::read(bits)?;
         let fraction_bits = bits.u8("fraction_bits", 4)?;
         bits.require(fraction_bits <= 8, rule::HEADER_FRACTION_RANGE)?;
@@ -199,7 +91,7 @@ impl SequenceHeader {
         let names = if names_present { Some(FileNames::read(bits)?) } else { None };
         Ok(Self {
             level,
-            frame_rate,
+            frame_rate: FrameRate { numerator, denominator },
             up_axis,
             unit_of_length,
             fraction_bits,
@@ -219,8 +111,9 @@ impl SequenceHeader {
         bits.u(u64::from(VERSION), 8);
         bits.u(u64::from(PROFILE_MAIN), 8);
         bits.u(u64::from(self.level), 8);
-        self.frame_rate.iter().for_each(|&part| bits.uleb(part));
-        bits.u(u64::from(self.up_axis), 2);
+        bits.uleb(self.frame_rate.numerator);
+        bits.uleb(self.frame_rate.denominator);
+        bits.u(self.up_axis as u64, 2);
         bits.u(self.unit_of_length as u64, 4);
         bits.u(u64::from(self.fraction_bits), 4);
         bits.u(u64::from(self.max_group_length), 8);
@@ -236,6 +129,17 @@ impl SequenceHeader {
         if let Some(names) = &self.names {
             names.write(bits);
         }
+    }
+}
+
+impl UpAxis {
+    fn read(bits: &mut BitReader<'_, '_>) -> Result<Self, Error> {
+        Ok(match bits.u("up_axis", 2)? {
+            0 => Self::X,
+            1 => Self::Y,
+            2 => Self::Z,
+            _ => return Err(Error::malformed(rule::HEADER_AXIS_RANGE, bits.position())),
+        })
     }
 }
 
@@ -324,13 +228,6 @@ impl FileNames {
     }
 }
 
-/// The bytes as text that may be part of a file name on every system, `None` where they may not.
-pub fn name_text(bytes: &[u8]) -> Option<&str> {
-    let text = std::str::from_utf8(bytes).ok()?;
-    let refused = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
-    (!text.contains(refused)).then_some(text)
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -339,8 +236,8 @@ pub(crate) mod tests {
     pub(crate) fn example() -> SequenceHeader {
         SequenceHeader {
             level: 1,
-            frame_rate: [30_000, 1001],
-            up_axis: 1,
+            frame_rate: FrameRate::new(30_000, 1001),
+            up_axis: UpAxis::Y,
             unit_of_length: UnitOfLength::Metre,
             fraction_bits: 8,
             max_group_length: 8,
@@ -383,8 +280,7 @@ pub(crate) mod tests {
             read(&written(&header)).expect_err("it is broken").rule()
         };
         assert_eq!(broken(|h| h.level = 3), Some(rule::HEADER_LEVEL_KNOWN));
-        assert_eq!(broken(|h| h.frame_rate[1] = 0), Some(rule::HEADER_RATE_RANGE));
-        assert_eq!(broken(|h| h.up_axis = 3), Some(rule::HEADER_AXIS_RANGE));
+        assert_eq!(broken(|h| h.frame_rate.denominator = 0), Some(rule::HEADER_RATE_RANGE));
         assert_eq!(broken(|h| h.fraction_bits = 9), Some(rule::HEADER_FRACTION_RANGE));
         assert_eq!(broken(|h| h.max_group_length = 0), Some(rule::HEADER_GROUP_RANGE));
         assert_eq!(broken(|h| h.nodes_per_vertex = 9), Some(rule::HEADER_NODES_RANGE));
@@ -396,6 +292,14 @@ pub(crate) mod tests {
         };
         assert_eq!(custom(&[]), Some(rule::HEADER_LABELS_COUNT));
         assert_eq!(custom(&[64]), Some(rule::HEADER_LABELS_REGION));
+    }
+
+    #[test]
+    fn there_is_no_fourth_axis() {
+        let mut bytes = written(&example());
+        // Version, profile, level, and the frame rate in three and two bytes come before the axis.
+        bytes[8] |= 0xc0;
+        assert_eq!(read(&bytes).expect_err("broken").rule(), Some(rule::HEADER_AXIS_RANGE));
     }
 
     #[test]

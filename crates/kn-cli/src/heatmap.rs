@@ -2,6 +2,7 @@
 
 use crate::picture::{CLAY, Canvas, Legend, Paint, Sheet, View, colour_of, render};
 use anyhow::{Context, Result};
+use kn_bitstream::params::UpAxis;
 use kn_mesh::{BoundingBox, Mesh};
 use std::io::Write;
 
@@ -60,7 +61,7 @@ pub(crate) fn turntable(
 ) -> Result<()> {
     const TURNS: [[f32; 2]; 2] = [[0.0, 90.0], [180.0, 270.0]];
     const HEIGHT: usize = 320;
-    const UP_AXIS: u8 = 1;
+    const UP_AXIS: UpAxis = UpAxis::Y;
     let boxes = sides.iter().filter_map(|side| side.1.bounding_box());
     let bounds = boxes.reduce(BoundingBox::union).context("there is nothing to draw")?;
     let end = scale_end(sides.iter().map(|side| side.2));

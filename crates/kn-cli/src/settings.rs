@@ -1,17 +1,15 @@
 //! The codec's settings: flags of `kn encode` and, under the same names, keys of a `kn rd`
 //! configuration.
 
-use crate::choices::{
-    self, AffineArgument, ChoiceArgument, DistortionArgument, InfluenceArgument, NodeArgument,
-    PartStartArgument, PlacementArgument, TranslationArgument,
-};
+use crate::choices::{self, named};
 use crate::nearest::nearest;
 use anyhow::{Result, anyhow};
 use clap::{Args, Command, FromArgMatches};
+use kn_bitstream::params::{Combination, InfluenceMode, Weights};
 use kn_codec::{
-    CombinationChoice, Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice,
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
+    NodeChoice, NodePlacement, PartStart, SmoothingChoice, StepChoice, TranslationChoice,
 };
-use kn_deform::{Combination, WeightScheme};
 use kn_mesh::BoundingBox;
 
 /// What the codec can be told; what is left out stays as the preset has it.
@@ -27,7 +25,7 @@ pub(crate) struct Settings {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     gof: Option<u8>,
     /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
-    #[arg(long, value_name = "N|P%", value_parser = choices::face_count)]
+    #[arg(long, value_name = "N|P%")]
     iframe_faces: Option<Decimation>,
     /// Decimate I-frames until a vertex lies further than this from the surface, world units
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
@@ -36,48 +34,48 @@ pub(crate) struct Settings {
     /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: auto, or what the
     /// preset has]
     #[arg(long, value_name = "N|AUTO")]
-    nodes: Option<NodeArgument>,
+    nodes: Option<NodeChoice>,
     /// Where key nodes are put [default: generated]
-    #[arg(long, value_enum)]
-    placement: Option<PlacementArgument>,
+    #[arg(long, value_parser = named::<NodePlacement>())]
+    placement: Option<NodePlacement>,
     /// What happens in a region without key nodes: an error, or the nearest nodes of any region
-    #[arg(long, value_enum)]
-    influence: Option<InfluenceArgument>,
+    #[arg(long, value_parser = named::<InfluenceMode>())]
+    influence: Option<InfluenceMode>,
     /// Which key nodes are affine: none, those of the torso, those that pay, or all
-    #[arg(long, value_enum)]
-    affine: Option<AffineArgument>,
+    #[arg(long, value_parser = named::<AffineChoice>())]
+    affine: Option<AffineChoice>,
     /// When the components of affine nodes are chosen by least J = D + λR [default: first-p]
-    #[arg(long, value_enum)]
-    choice: Option<ChoiceArgument>,
-    /// Components of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
-    #[arg(long, conflicts_with = "choice", value_parser = choices::combination)]
+    #[arg(long, value_parser = named::<CombinationChoice>())]
+    choice: Option<CombinationChoice>,
+    /// Combination of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
+    #[arg(long, conflicts_with = "choice")]
     combination: Option<Combination>,
     /// What D is measured by [default: surrogate]
-    #[arg(long, value_enum)]
-    distortion: Option<DistortionArgument>,
+    #[arg(long, value_parser = named::<DistortionMeasure>())]
+    distortion: Option<DistortionMeasure>,
     /// λ: the distortion that a byte of a P-frame is worth [default: 3e-5]
-    #[arg(long, value_name = "D", value_parser = choices::lambda)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
     lambda: Option<f64>,
     /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
     /// their nodes move [default: on]
-    #[arg(long, value_enum)]
-    part_start: Option<PartStartArgument>,
+    #[arg(long, value_parser = named::<PartStart>())]
+    part_start: Option<PartStart>,
     /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
     /// [default: cost]
-    #[arg(long, value_enum)]
-    translation: Option<TranslationArgument>,
+    #[arg(long, value_parser = named::<TranslationChoice>())]
+    translation: Option<TranslationChoice>,
     /// How strongly decoded I-frames are smoothed: auto, or 0 (not at all) to 5 [default: auto]
-    #[arg(long, value_name = "AUTO|N", value_parser = choices::smoothing)]
+    #[arg(long, value_name = "AUTO|N")]
     smoothing: Option<SmoothingChoice>,
     /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
-    #[arg(long, value_parser = choices::weights)]
-    weights: Option<WeightScheme>,
+    #[arg(long)]
+    weights: Option<Weights>,
     /// Key nodes that move a vertex, Q [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     nodes_per_vertex: Option<u8>,
     /// Quantiser step of translations in grid steps, or `auto`: all steps by least J in every
     /// P-frame [default: auto]
-    #[arg(long, value_name = "STEPS|AUTO", value_parser = choices::motion_step)]
+    #[arg(long, value_name = "STEPS|AUTO")]
     motion_step: Option<StepChoice>,
     /// Of rotations: how far it moves a vertex, in grid steps [default: that of translations, or by
     /// least J]
@@ -108,25 +106,23 @@ impl Settings {
         config.decimation = self.iframe_faces.or(by_error).or(config.decimation);
         set(&mut config.group_length, self.gof);
         set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
-        if let Some(nodes) = self.nodes {
-            config.nodes = nodes.into();
-        }
-        config.placement = self.placement.map_or(config.placement, Into::into);
-        config.influence = self.influence.map_or(config.influence, Into::into);
+        config.nodes = self.nodes.unwrap_or(config.nodes);
+        config.placement = self.placement.unwrap_or(config.placement);
+        config.influence = self.influence.unwrap_or(config.influence);
         let fixed = self.combination.map(CombinationChoice::Fixed);
-        config.combination = fixed.or(self.choice.map(Into::into)).unwrap_or(config.combination);
-        config.distortion = self.distortion.map_or(config.distortion, Into::into);
+        config.combination = fixed.or(self.choice).unwrap_or(config.combination);
+        config.distortion = self.distortion.unwrap_or(config.distortion);
         config.lambda = self.lambda.unwrap_or(config.lambda);
-        config.part_start = self.part_start.map_or(config.part_start, Into::into);
-        config.translation = self.translation.map_or(config.translation, Into::into);
+        config.part_start = self.part_start.unwrap_or(config.part_start);
+        config.translation = self.translation.unwrap_or(config.translation);
         config.smoothing = self.smoothing.unwrap_or(config.smoothing);
         config.weights = self.weights.unwrap_or(config.weights);
         config.motion_step = self.motion_step.unwrap_or(config.motion_step);
         config.rotation_step = self.rotation_step.or(config.rotation_step);
         config.scale_step = self.scale_step.or(config.scale_step);
         config.shear_step = self.shear_step.or(config.shear_step);
-        if let Some(affine) = self.affine {
-            config.affine = affine.into();
+        if let Some(affine) = &self.affine {
+            config.affine = affine.clone();
         }
     }
 

@@ -2,7 +2,8 @@
 
 use crate::output::is_dash;
 use anyhow::{Context, Result, ensure};
-use kn_bitstream::{Trace, UnitOfLength};
+use kn_bitstream::Trace;
+use kn_bitstream::params::UnitOfLength;
 use kn_codec::{
     DecodeError, DecodeErrorKind, Decoder, FrameInfo, FrameKind, Limits, Progress, StreamDecoder,
 };
@@ -131,13 +132,9 @@ pub(crate) fn kind_letter(kind: FrameKind) -> &'static str {
 }
 
 /// The unit of the coordinates in messages.
-pub(crate) fn unit_name(unit: UnitOfLength) -> &'static str {
+pub(crate) fn unit_name(unit: UnitOfLength) -> String {
     match unit {
-        UnitOfLength::Unspecified => "units",
-        UnitOfLength::Metre => "m",
-        UnitOfLength::Centimetre => "cm",
-        UnitOfLength::Millimetre => "mm",
-        UnitOfLength::Inch => "in",
-        UnitOfLength::Foot => "ft",
+        UnitOfLength::Unspecified => "units".into(),
+        unit => unit.to_string(),
     }
 }

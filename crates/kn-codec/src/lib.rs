@@ -12,6 +12,8 @@ mod limits;
 
 pub use decode::{Decoder, FrameInfo, FrameKind, Progress, StreamDecoder};
 pub use error::{DecodeError, DecodeErrorKind};
+pub use kn_bitstream::params;
+pub use kn_mesh::{BoundingBox, Grid, Mesh};
 pub use limits::Limits;
 
 #[cfg(feature = "encode")]
@@ -19,14 +21,12 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, Finished, FrameReport, GridChoice, LabelChoice, NamePattern, NodeChoice,
+    EncoderConfig, Finished, FormError, FrameReport, GridChoice, LabelChoice, NodeChoice,
     NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]
 pub use error::EncodeError;
-#[cfg(feature = "encode")]
-pub use kn_bitstream::{TranslationMode, UnitOfLength};
 #[cfg(feature = "encode")]
 pub use kn_fit::PartStart;
 #[cfg(feature = "encode")]

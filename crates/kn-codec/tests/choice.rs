@@ -1,10 +1,10 @@
 //! What the encoder chooses by J = D + λR.
 
+use kn_bitstream::params::{Combination, InfluenceMode};
 use kn_codec::{
     AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, FrameReport, LabelChoice,
     NodeChoice, StepChoice,
 };
-use kn_deform::{Combination, InfluenceMode};
 use kn_mesh::Mesh;
 use kn_performer::{Performer, PerformerConfig};
 

@@ -1,9 +1,10 @@
 //! kn-bitstream's readers and writers, driven for comparison with the tables.
 
+use kn_bitstream::params::WeightScheme;
 use kn_bitstream::unit::{self, Framing, SizeLimits};
 use kn_bitstream::{
     BitReader, BitWriter, Error, FrameHeader, Index, IntraFrame, KeyNodes, KeyNodesContext, Level,
-    MotionContext, MotionFrame, SequenceHeader, WeightScheme, cauchy_table, rule,
+    MotionContext, MotionFrame, SequenceHeader, cauchy_table, rule,
 };
 use kn_codec::{DecodeError, Limits, Progress, StreamDecoder};
 use kn_mesh::Mesh;

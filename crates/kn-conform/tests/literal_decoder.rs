@@ -1,14 +1,17 @@
 //! The decoder and the literal reading of chapters 6 to 9 agree bit for bit on random groups.
 
+use kn_bitstream::params::{
+    Combination, FrameRate, InfluenceMode, LabelSet, Named, TranslationMode, UnitOfLength, UpAxis,
+    WeightScheme,
+};
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use kn_bitstream::Rule;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
-    AffineNodes, BitWriter, Components, EntropyMode, FrameHeader, Index, IndexGroup, InfluenceMode,
-    IntraFrame, KeyNodes, LabelSet, MAX_SMOOTHING, MotionContext, MotionFrame, NodeSites,
-    SequenceHeader, TranslationMode, UnitOfLength, ValueList, WeightScheme,
+    AffineNodes, BitWriter, EntropyMode, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes,
+    MAX_SMOOTHING, MotionContext, MotionFrame, NodeSites, SequenceHeader, ValueList,
 };
 use kn_codec::intra::encode_intra;
 use kn_codec::{DecodeError, Limits, Progress, StreamDecoder, digest};
@@ -23,18 +26,18 @@ fn spec() -> &'static Spec {
 }
 
 fn header() -> impl Strategy<Value = SequenceHeader> {
-    let schemes = [WeightScheme::InverseSquare, WeightScheme::Sumner, WeightScheme::Gaussian];
     // Custom regions, so that some labels share one.
     let shared = LabelSet::Custom((0..15).map(|label| label % 4).collect());
     let labels = prop::sample::select(vec![LabelSet::Body, shared, LabelSet::None]);
     // Few groups have a node in every region.
     let strict = prop::bool::weighted(0.2);
-    let schemes = prop::sample::select(schemes.to_vec());
-    (0..=8_u8, 1..=8_u8, schemes, 0..3_u8, labels, strict).prop_map(
+    let schemes = prop::sample::select(WeightScheme::all());
+    let axes = prop::sample::select(UpAxis::all());
+    (0..=8_u8, 1..=8_u8, schemes, axes, labels, strict).prop_map(
         |(fraction_bits, nodes_per_vertex, weight_scheme, up_axis, labels, strict)| {
             SequenceHeader {
                 level: 0,
-                frame_rate: [1, 1],
+                frame_rate: FrameRate::new(1, 1),
                 up_axis,
                 unit_of_length: UnitOfLength::Unspecified,
                 fraction_bits,
@@ -90,7 +93,7 @@ fn sites(vertices: usize) -> impl Strategy<Value = NodeSites> {
 
 #[derive(Clone, Debug)]
 struct Motions {
-    enabled: Components,
+    enabled: Combination,
     steps: [u8; 4],
     /// Spatio-temporal becomes spatial in the first frame.
     mode: TranslationMode,
@@ -109,7 +112,7 @@ fn motions(nodes: usize) -> impl Strategy<Value = Motions> {
     let steps = [0..20_u8, 0..50, 0..50, 0..50];
     (any::<[bool; 3]>(), steps, mode, changes, values).prop_map(
         |([rotation, scale, shear], steps, mode, changes, values)| Motions {
-            enabled: Components { rotation, scale, shear },
+            enabled: Combination { rotation, scale, shear },
             steps,
             mode,
             changes,
@@ -170,13 +173,13 @@ fn frame(motions: &Motions, affine: &[bool], context: &MotionContext) -> MotionF
     let temporal = mode == TranslationMode::SpatioTemporal;
     let changes = if temporal { &motions.changes[..context.part_count as usize] } else { &[] };
     let any_affine = context.affine_count > 0;
-    let enabled = if any_affine { motions.enabled } else { Components::default() };
+    let enabled = if any_affine { motions.enabled } else { Combination::default() };
     let list = |component: usize, carries: &dyn Fn(bool) -> bool| -> Vec<[i32; 3]> {
         let carried = motions.values.iter().zip(affine).filter(|&(_, &affine)| carries(affine));
         carried.map(|(values, _)| values[component]).collect()
     };
     let [translation_step, rotation_step, scale_step, shear_step] = motions.steps;
-    let counts = enabled.counts(context);
+    let counts = context.carriers(enabled);
     let step = |step, count| if count > 0 { step } else { 0 };
     let mut frame = MotionFrame {
         header: FrameHeader::default(),

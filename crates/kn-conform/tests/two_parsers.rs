@@ -1,11 +1,15 @@
 //! kn-bitstream and the interpreter of the syntax tables agree on random structures, both ways.
 
+use kn_bitstream::params::{
+    Combination, FrameRate, InfluenceMode, LabelSet, TranslationMode, UnitOfLength, UpAxis,
+    WeightScheme,
+};
 use std::path::Path;
 
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{
-    AffineNodes, BitReader, BitWriter, Components, EntropyMode, FrameHeader, KeyNodes,
-    KeyNodesContext, MotionContext, MotionFrame, NodeSites, TranslationMode, WeightScheme,
+    AffineNodes, BitReader, BitWriter, EntropyMode, FrameHeader, KeyNodes, KeyNodesContext,
+    MotionContext, MotionFrame, NodeSites,
 };
 use kn_conform::{Spec, TraceLine};
 use proptest::prelude::*;
@@ -20,15 +24,15 @@ fn spec() -> &'static Spec {
 fn header() -> BitWriter {
     let header = kn_bitstream::SequenceHeader {
         level: 2,
-        frame_rate: [25, 1],
-        up_axis: 2,
-        unit_of_length: kn_bitstream::UnitOfLength::Foot,
+        frame_rate: FrameRate::new(25, 1),
+        up_axis: UpAxis::Z,
+        unit_of_length: UnitOfLength::Foot,
         fraction_bits: 3,
         max_group_length: 9,
         nodes_per_vertex: 2,
         weight_scheme: WeightScheme::Gaussian,
-        influence_mode: kn_bitstream::InfluenceMode::Strict,
-        labels: kn_bitstream::LabelSet::Body,
+        influence_mode: InfluenceMode::Strict,
+        labels: LabelSet::Body,
         grid_origin: [0.1, -2.0, 1e300],
         grid_step: 1e-9,
         names: None,
@@ -111,9 +115,9 @@ fn motion(context: MotionContext) -> impl Strategy<Value = MotionFrame> {
     (choices, 0..48_u8, 0..48_u8, 0..12_u8).prop_flat_map(
         move |(([rotation, scale, shear], mode), translation_table, parameter_table, step)| {
             let affine_count = context.affine_count;
-            let enabled = Components { rotation, scale, shear };
-            let enabled = if affine_count == 0 { Components::default() } else { enabled };
-            let counts = enabled.counts(&context);
+            let enabled = Combination { rotation, scale, shear };
+            let enabled = if affine_count == 0 { Combination::default() } else { enabled };
+            let counts = context.carriers(enabled);
             let temporal = mode == TranslationMode::SpatioTemporal;
             let lists = (
                 triples(3000, if temporal { context.part_count } else { 0 }),

@@ -148,13 +148,13 @@ fn first_outside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::influence::{BindOptions, InfluenceMode, bind};
-    use crate::weights::WeightScheme;
+    use crate::influence::{BindOptions, bind};
+    use kn_bitstream::params::{InfluenceMode, Weights};
 
     fn bound(positions: &[[i32; 3]], nodes: &[[i32; 3]], q: usize) -> Influence {
         let options = BindOptions {
             nodes_per_vertex: q,
-            weights: WeightScheme::InverseSquare,
+            weights: Weights::INVERSE_SQUARE,
             mode: InfluenceMode::Strict,
         };
         let mut influence = Influence::default();

@@ -2,7 +2,8 @@
 //! on the decoded I-frame.
 
 use crate::parallel::*;
-use crate::weights::{Distances, WeightScheme, normalised_weights};
+use crate::weights::{Distances, normalised_weights};
+use kn_bitstream::params::{InfluenceMode, Weights};
 
 /// Nodes and weights of every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,22 +23,13 @@ impl Influence {
     }
 }
 
-/// What happens where a vertex's region has no node (`deform.influence.mode`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InfluenceMode {
-    /// The paper's manual mode: an error.
-    Strict,
-    /// The paper's auto mode: the Q nearest nodes of any region.
-    Fallback,
-}
-
 /// How influence is bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BindOptions {
     /// Q, 1 to 8.
     pub nodes_per_vertex: usize,
     /// Distance to weight.
-    pub weights: WeightScheme,
+    pub weights: Weights,
     /// Strict or fallback.
     pub mode: InfluenceMode,
 }
@@ -261,7 +253,7 @@ impl Nearest {
 fn fill_slots(
     found: &Nearest,
     list: &NodeList,
-    scheme: WeightScheme,
+    how: Weights,
     nodes: &mut [u16],
     weights: &mut [f64],
 ) {
@@ -274,7 +266,7 @@ fn fill_slots(
         squared[slot] = found.squared[rank];
     }
     let next_squared = (found.count > q).then(|| found.squared[q]);
-    normalised_weights(scheme, &Distances { squared: &squared[..q], next_squared }, weights);
+    normalised_weights(how, &Distances { squared: &squared[..q], next_squared }, weights);
 }
 
 #[cfg(test)]
@@ -283,7 +275,7 @@ mod tests {
 
     const OPTIONS: BindOptions = BindOptions {
         nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
+        weights: Weights::INVERSE_SQUARE,
         mode: InfluenceMode::Strict,
     };
 

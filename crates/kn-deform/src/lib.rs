@@ -15,7 +15,6 @@ mod weights;
 
 pub use deform::{DeformError, Deformer};
 pub use elementary::{exp_neg, sin_cos};
-pub use influence::{BindError, BindOptions, Influence, InfluenceMode, bind};
+pub use influence::{BindError, BindOptions, Influence, bind};
 pub use smoothing::Smoother;
-pub use transform::{Combination, NodeTransform};
-pub use weights::WeightScheme;
+pub use transform::NodeTransform;

@@ -2,62 +2,6 @@
 
 use crate::elementary::sin_cos;
 
-/// Which components of A affine nodes carry in a frame; translation is always on.
-///
-/// The paper's eight combinations T, RT, TS, TH, RTS, RTH, TSH, RTSH. A disabled component is the
-/// identity. Rigid nodes carry rotation and translation whatever the combination.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Combination {
-    /// R: three Euler angles.
-    pub rotation: bool,
-    /// S: three factors.
-    pub scale: bool,
-    /// H: three shears.
-    pub shear: bool,
-}
-
-impl Combination {
-    /// All eight, by rising number of components: T, RT, TS, TH, RTS, RTH, TSH, RTSH.
-    pub const ALL: [Self; 8] = [
-        Self::new(false, false, false),
-        Self::new(true, false, false),
-        Self::new(false, true, false),
-        Self::new(false, false, true),
-        Self::new(true, true, false),
-        Self::new(true, false, true),
-        Self::new(false, true, true),
-        Self::new(true, true, true),
-    ];
-    /// Rotation and translation: what rigid nodes carry.
-    pub const RT: Self = Self::new(true, false, false);
-    /// Everything.
-    pub const RTSH: Self = Self::new(true, true, true);
-
-    /// A combination from its switches.
-    pub const fn new(rotation: bool, scale: bool, shear: bool) -> Self {
-        Self { rotation, scale, shear }
-    }
-
-    /// The paper's name, such as `RTS`.
-    pub fn name(self) -> &'static str {
-        match (self.rotation, self.scale, self.shear) {
-            (false, false, false) => "T",
-            (true, false, false) => "RT",
-            (false, true, false) => "TS",
-            (false, false, true) => "TH",
-            (true, true, false) => "RTS",
-            (true, false, true) => "RTH",
-            (false, true, true) => "TSH",
-            (true, true, true) => "RTSH",
-        }
-    }
-
-    /// The combination of that name; `None` for any other text.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|combination| combination.name() == name)
-    }
-}
-
 /// What one key node does in one frame: x ↦ A (x − n) + n + t with A = R·S·H.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeTransform {
@@ -145,13 +89,5 @@ mod tests {
     fn no_motion_is_the_exact_identity() {
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(NodeTransform::IDENTITY.matrix(), identity);
-    }
-
-    #[test]
-    fn combinations_know_their_names() {
-        for combination in Combination::ALL {
-            assert_eq!(Combination::from_name(combination.name()), Some(combination));
-        }
-        assert_eq!(Combination::from_name("RSH"), None);
     }
 }

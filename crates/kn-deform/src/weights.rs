@@ -1,21 +1,7 @@
 //! From the squared distances of a vertex's nodes to their weights.
 
 use crate::elementary::exp_neg;
-
-/// How the weights of a vertex's nodes follow from their distances (`deform.weights.*`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WeightScheme {
-    /// w = 1/d²: the bi-modal paper's.
-    InverseSquare,
-    /// w = (1 − d/d')² with d' the distance of the first node that is not used (Sumner 2007);
-    /// stands in for the earlier codec's.
-    Sumner,
-    /// w = exp(−d²/2σ²); stands in for the isometric scheme.
-    Gaussian {
-        /// σ in grid steps, at least 1.
-        sigma: u32,
-    },
-}
+use kn_bitstream::params::{WeightScheme, Weights};
 
 /// The nodes of one vertex, nearest first, and what lies beyond them.
 pub(crate) struct Distances<'a> {
@@ -26,15 +12,11 @@ pub(crate) struct Distances<'a> {
 }
 
 /// Writes the normalised weights of one vertex (length Q, sum 1 up to rounding).
-pub(crate) fn normalised_weights(
-    scheme: WeightScheme,
-    distances: &Distances<'_>,
-    weights: &mut [f64],
-) {
-    match scheme {
-        WeightScheme::InverseSquare => inverse_square(distances, weights),
-        WeightScheme::Sumner => sumner(distances, weights),
-        WeightScheme::Gaussian { sigma } => gaussian(sigma, distances, weights),
+pub(crate) fn normalised_weights(how: Weights, distances: &Distances<'_>, weights: &mut [f64]) {
+    match (how.scheme(), how.sigma()) {
+        (WeightScheme::InverseSquare, _) => inverse_square(distances, weights),
+        (WeightScheme::Sumner, _) => sumner(distances, weights),
+        (WeightScheme::Gaussian, sigma) => gaussian(sigma.unwrap_or(1), distances, weights),
     }
     let mut sum = 0.0;
     for weight in weights.iter() {
@@ -86,29 +68,29 @@ fn gaussian(sigma: u32, distances: &Distances<'_>, weights: &mut [f64]) {
 mod tests {
     use super::*;
 
-    fn weigh(scheme: WeightScheme, squared: &[f64], next_squared: Option<f64>) -> Vec<f64> {
+    fn weigh(how: Weights, squared: &[f64], next_squared: Option<f64>) -> Vec<f64> {
         let mut weights = vec![0.0; squared.len()];
-        normalised_weights(scheme, &Distances { squared, next_squared }, &mut weights);
+        normalised_weights(how, &Distances { squared, next_squared }, &mut weights);
         weights
     }
 
     #[test]
     fn inverse_squares_are_normalised_and_floored() {
-        assert_eq!(weigh(WeightScheme::InverseSquare, &[0.0, 1.0], None), [0.5, 0.5]);
-        assert_eq!(weigh(WeightScheme::InverseSquare, &[1.0, 3.0], None), [0.75, 0.25]);
+        assert_eq!(weigh(Weights::INVERSE_SQUARE, &[0.0, 1.0], None), [0.5, 0.5]);
+        assert_eq!(weigh(Weights::INVERSE_SQUARE, &[1.0, 3.0], None), [0.75, 0.25]);
     }
 
     #[test]
     fn sumner_vanishes_at_the_next_node() {
-        let weights = weigh(WeightScheme::Sumner, &[4.0, 16.0], Some(16.0));
+        let weights = weigh(Weights::SUMNER, &[4.0, 16.0], Some(16.0));
         assert_eq!(weights, [1.0, 0.0]);
-        assert_eq!(weigh(WeightScheme::Sumner, &[16.0, 16.0], Some(16.0)), [0.5, 0.5]);
-        assert_eq!(weigh(WeightScheme::Sumner, &[16.0, 16.0], None), [0.5, 0.5]);
+        assert_eq!(weigh(Weights::SUMNER, &[16.0, 16.0], Some(16.0)), [0.5, 0.5]);
+        assert_eq!(weigh(Weights::SUMNER, &[16.0, 16.0], None), [0.5, 0.5]);
     }
 
     #[test]
     fn gaussian_weights_never_underflow_together() {
-        let weights = weigh(WeightScheme::Gaussian { sigma: 1 }, &[1e12, 1e12 + 2.0], None);
+        let weights = weigh(Weights::gaussian(1), &[1e12, 1e12 + 2.0], None);
         let ratio = weights[1] / weights[0];
         assert!((ratio - 1.0 / std::f64::consts::E).abs() < 1e-12);
     }

@@ -1,9 +1,9 @@
 //! Digests of results over inputs that reach every constant of the crate. What is right is settled
 //! by the literal decoder of kn-conform; this notices a change within seconds.
 
+use kn_bitstream::params::{InfluenceMode, Weights};
 use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
-    WeightScheme, bind, exp_neg, sin_cos,
+    BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind, exp_neg, sin_cos,
 };
 
 /// FNV-1a over 64-bit words.
@@ -73,7 +73,7 @@ fn scene() -> [(Vec<[i32; 3]>, Vec<u8>); 2] {
     [set(70, &[0, 3, 255, 9]), set(29, &[0, 3, 0, 255])]
 }
 
-fn options(nodes_per_vertex: usize, weights: WeightScheme) -> BindOptions {
+fn options(nodes_per_vertex: usize, weights: Weights) -> BindOptions {
     BindOptions { nodes_per_vertex, weights, mode: InfluenceMode::Fallback }
 }
 
@@ -92,10 +92,10 @@ fn influence_and_deformation() {
     };
     let transforms: Vec<_> = (0..nodes.len()).map(transform).collect();
     let schemes = [
-        WeightScheme::InverseSquare,
-        WeightScheme::Sumner,
-        WeightScheme::Gaussian { sigma: 1 },
-        WeightScheme::Gaussian { sigma: 300_000 },
+        Weights::INVERSE_SQUARE,
+        Weights::SUMNER,
+        Weights::gaussian(1),
+        Weights::gaussian(300_000),
     ];
     let mut digest = Digest::new();
     let mut influence = Influence::default();
@@ -148,7 +148,7 @@ fn smoothing() {
 #[test]
 fn nodes_are_as_many_as_16_bits_tell_apart() {
     let mut influence = Influence::default();
-    let options = options(1, WeightScheme::Sumner);
+    let options = options(1, Weights::SUMNER);
     for (count, sound) in [(1, true), (1 << 16, true), ((1 << 16) + 1, false)] {
         let nodes: Vec<[i32; 3]> = (0..count).map(|x| [x, 0, 0]).collect();
         let last = nodes[nodes.len() - 1];
@@ -162,7 +162,7 @@ fn nodes_are_as_many_as_16_bits_tell_apart() {
 fn q_is_one_to_eight() {
     let mut influence = Influence::default();
     for q in [0, 9] {
-        let options = options(q, WeightScheme::Sumner);
+        let options = options(q, Weights::SUMNER);
         let result = bind(&[[0; 3]], &[0], &[[1; 3]], &[0], &options, &mut influence);
         assert!(matches!(result, Err(BindError::Arguments(_))), "{q}");
     }

@@ -1,6 +1,7 @@
 //! The stacked matrix [A|t] of a node, and how it depends on the parameters of the node.
 
-use kn_deform::{Combination, NodeTransform, sin_cos};
+use kn_bitstream::params::Combination;
+use kn_deform::{NodeTransform, sin_cos};
 use kn_mesh::vec3::Vec3;
 
 /// [A|t], 3 rows of 4.

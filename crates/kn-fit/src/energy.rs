@@ -8,7 +8,8 @@ use crate::quadratic::QuadraticForm;
 use argmin::core::{ArgminError, CostFunction, Executor, Gradient, State};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
-use kn_deform::{Combination, NodeTransform};
+use kn_bitstream::params::Combination;
+use kn_deform::NodeTransform;
 use nalgebra::DVector;
 use std::cell::RefCell;
 

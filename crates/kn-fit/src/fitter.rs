@@ -15,7 +15,8 @@ use crate::report::{Fit, FitReport};
 use crate::schedule::{REACH_WEIGHT, Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
-use kn_deform::{Combination, NodeTransform};
+use kn_bitstream::params::Combination;
+use kn_deform::NodeTransform;
 use kn_mesh::vec3::Vec3;
 
 /// The robust width is this many times the 95th percentile of the distances ...

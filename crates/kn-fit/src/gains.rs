@@ -7,7 +7,7 @@ use crate::options::FitOptions;
 use crate::source::FitSource;
 use crate::surface::vertex_areas;
 use crate::target::FitTarget;
-use kn_deform::Combination;
+use kn_bitstream::params::Combination;
 use kn_mesh::vec3::Vec3;
 
 /// Squared distances of a fit with rigid nodes, and by how much they fall with affine ones.

@@ -1,19 +1,42 @@
 //! What a caller can choose. Every number is free of units: the same values serve metres,
 //! millimetres and grid steps, five nodes and five hundred.
 
-use kn_deform::Combination;
+use kn_bitstream::params::{Combination, NameError, Named};
+use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
 
 /// When each labelled part is first aligned rigidly, before the nodes move (the paper's
 /// segmentation-enhanced correspondence estimation).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    AsRefStr,
+    Display,
+    EnumMessage,
+    EnumString,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
+#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<PartStart>)]
 pub enum PartStart {
     /// Never.
     Off,
-    /// Wherever both meshes carry labels.
+    /// In every frame, as in the paper.
     On,
-    /// Wherever both meshes carry labels and the aligned start leaves a clearly lower residual.
+    /// In frames where it leaves the mesh clearly nearer to the scan.
     #[default]
     Auto,
+}
+
+impl Named for PartStart {
+    const KIND: &'static str = "part start";
+
+    fn all() -> Vec<Self> {
+        Self::VARIANTS.to_vec()
+    }
 }
 
 /// How a frame is fitted.

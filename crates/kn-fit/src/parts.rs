@@ -5,7 +5,8 @@ use crate::group::Group;
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::target::FitTarget;
-use kn_deform::{Combination, NodeTransform};
+use kn_bitstream::params::Combination;
+use kn_deform::NodeTransform;
 use kn_mesh::vec3::{Vec3, add, cross, distance, dot, norm, scale, sub};
 use nalgebra::{Matrix3, SymmetricEigen};
 

@@ -7,7 +7,8 @@ use crate::place::place_farthest;
 use crate::report::FitReport;
 use crate::source::{FitSource, check_mesh};
 use crate::target::FitTarget;
-use kn_deform::{BindOptions, Influence, InfluenceMode, NodeTransform, WeightScheme, bind};
+use kn_bitstream::params::{InfluenceMode, Weights};
+use kn_deform::{BindOptions, Influence, NodeTransform, bind};
 
 /// How a source is registered.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +97,7 @@ fn influence(positions: &[[f64; 3]], nodes: &[[f64; 3]]) -> Result<Influence, Fi
     let one_region = (vec![0; positions.len()], vec![0; nodes.len()]);
     let options = BindOptions {
         nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
+        weights: Weights::INVERSE_SQUARE,
         mode: InfluenceMode::Fallback,
     };
     let mut influence = Influence::default();

@@ -1,6 +1,7 @@
 //! Fits of whole frames: known motion, all combinations, dirt, and what never may happen.
 
-use kn_deform::{BindOptions, Combination, Influence, InfluenceMode, WeightScheme, bind};
+use kn_bitstream::params::{Combination, InfluenceMode, Weights};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
     FitError, FitFailure, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount,
     NodeSource, RankBy, RegisterOptions, generate_nodes, place_farthest, register,
@@ -27,7 +28,7 @@ fn influence(positions: &Points, nodes: &[u32]) -> Influence {
     let sites: Vec<[i32; 3]> = nodes.iter().map(|&v| grid[v as usize]).collect();
     let options = BindOptions {
         nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
+        weights: Weights::INVERSE_SQUARE,
         mode: InfluenceMode::Fallback,
     };
     let mut influence = Influence::default();

@@ -4,6 +4,7 @@ use super::error::SegmentError;
 use super::pieces::{Piece, pieces};
 use super::surface::Surface;
 use super::{LABELS, OTHER, V3};
+use kn_bitstream::params::UpAxis;
 
 /// What is odd about given labels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +42,7 @@ pub fn check_labels(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
     labels: &[u8],
-    up_axis: usize,
+    up_axis: UpAxis,
 ) -> Result<Vec<LabelWarning>, SegmentError> {
     if labels.len() != positions.len() {
         return Err(SegmentError::LabelCount { labels: labels.len(), vertices: positions.len() });

@@ -21,12 +21,6 @@ pub enum SegmentError {
     /// All faces together have no area, or none that can be measured.
     #[error("the mesh has no area")]
     NoArea,
-    /// The up axis is not 0, 1 or 2.
-    #[error("the up axis is {axis}, allowed are 0, 1 and 2")]
-    UpAxis {
-        /// What was asked.
-        axis: usize,
-    },
     /// One label per vertex is needed.
     #[error("{labels} labels for {vertices} vertices")]
     LabelCount {

@@ -3,6 +3,7 @@
 
 use super::V3;
 use super::error::SegmentError;
+use kn_bitstream::params::UpAxis;
 
 /// A scan in template units.
 pub(super) struct Surface {
@@ -27,10 +28,10 @@ impl Surface {
     pub(super) fn new(
         positions: &[[f32; 3]],
         faces: &[[u32; 3]],
-        up: usize,
+        up: UpAxis,
     ) -> Result<Self, SegmentError> {
-        check(positions, faces, up)?;
-        let points: Vec<V3> = positions.iter().map(|p| upright(*p, up)).collect();
+        check(positions, faces)?;
+        let points: Vec<V3> = positions.iter().map(|p| upright(*p, up.index())).collect();
         let (starts, list) = neighbours(points.len(), faces);
         let mut surface = Self {
             normals: vec![V3::zeros(); points.len()],
@@ -165,10 +166,7 @@ impl Samples {
     }
 }
 
-fn check(positions: &[[f32; 3]], faces: &[[u32; 3]], up: usize) -> Result<(), SegmentError> {
-    if up > 2 {
-        return Err(SegmentError::UpAxis { axis: up });
-    }
+fn check(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<(), SegmentError> {
     if positions.is_empty() || faces.is_empty() {
         return Err(SegmentError::Empty);
     }

@@ -9,18 +9,13 @@ use super::label::Draft;
 use super::memory::Memory;
 use super::surface::{Samples, Surface};
 use super::{LABELS, OTHER, TORSO, side, start};
+use kn_bitstream::params::UpAxis;
 
 /// Settings of a [`Segmenter`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SegmentOptions {
-    /// Axis of the positions that points up: 0, 1 or 2.
-    pub up_axis: usize,
-}
-
-impl Default for SegmentOptions {
-    fn default() -> Self {
-        Self { up_axis: 1 }
-    }
+    /// Axis of the positions that points up.
+    pub up_axis: UpAxis,
 }
 
 /// Labels of a frame.

@@ -10,7 +10,7 @@ use std::io::Cursor;
 pub(crate) fn without_choices() -> EncoderConfig {
     EncoderConfig {
         labels: kn_codec::LabelChoice::Given,
-        combination: kn_deform::Combination::RTSH.into(),
+        combination: kn_codec::params::Combination::RTSH.into(),
         motion_step: StepChoice::Fixed(2.0),
         ..EncoderConfig::default()
     }

@@ -9,12 +9,12 @@
 
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result, ensure};
+use kn_codec::params::Weights;
 use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
-use kn_deform::WeightScheme;
 use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
 use kn_performer::{Performer, PerformerConfig};
-use kn_segment::{SegmentOptions, Segmenter, TORSO};
+use kn_segment::{SegmentOptions, Segmenter};
 use std::path::PathBuf;
 
 /// Area-uniform samples on each surface.
@@ -25,30 +25,47 @@ struct Setting {
     name: &'static str,
     nodes: usize,
     affine: AffineChoice,
-    weights: WeightScheme,
+    weights: Weights,
     placement: NodePlacement,
     labelled: bool,
 }
 
 fn settings() -> Vec<Setting> {
     use NodePlacement::{Farthest, Generated};
-    use WeightScheme::{InverseSquare, Sumner};
     let row = |name, nodes, weights, placement, affine: AffineChoice| {
         let labelled = matches!(affine, AffineChoice::Labels(_));
         Setting { name, nodes, affine, weights, placement, labelled }
     };
-    let torso = || AffineChoice::Labels(vec![TORSO]);
+    let torso = AffineChoice::torso;
     vec![
-        row("rigid, 300 farthest nodes, Sumner", 300, Sumner, Farthest, AffineChoice::None),
-        row("rigid, 300 farthest nodes", 300, InverseSquare, Farthest, AffineChoice::None),
-        row("rigid, 300 nodes, Sumner", 300, Sumner, Generated, AffineChoice::None),
-        row("rigid, 150 farthest nodes", 150, InverseSquare, Farthest, AffineChoice::None),
-        row("rigid, 150 nodes", 150, InverseSquare, Generated, AffineChoice::None),
-        row("affine torso, 150 farthest nodes", 150, InverseSquare, Farthest, torso()),
-        row("affine torso, 150 nodes", 150, InverseSquare, Generated, torso()),
-        row("affine torso, 150 nodes, Sumner", 150, Sumner, Generated, torso()),
-        row("all affine, 150 nodes", 150, InverseSquare, Generated, AffineChoice::All),
-        row("all affine, 150 nodes, Sumner", 150, Sumner, Generated, AffineChoice::All),
+        row(
+            "rigid, 300 farthest nodes, Sumner",
+            300,
+            Weights::SUMNER,
+            Farthest,
+            AffineChoice::None,
+        ),
+        row(
+            "rigid, 300 farthest nodes",
+            300,
+            Weights::INVERSE_SQUARE,
+            Farthest,
+            AffineChoice::None,
+        ),
+        row("rigid, 300 nodes, Sumner", 300, Weights::SUMNER, Generated, AffineChoice::None),
+        row(
+            "rigid, 150 farthest nodes",
+            150,
+            Weights::INVERSE_SQUARE,
+            Farthest,
+            AffineChoice::None,
+        ),
+        row("rigid, 150 nodes", 150, Weights::INVERSE_SQUARE, Generated, AffineChoice::None),
+        row("affine torso, 150 farthest nodes", 150, Weights::INVERSE_SQUARE, Farthest, torso()),
+        row("affine torso, 150 nodes", 150, Weights::INVERSE_SQUARE, Generated, torso()),
+        row("affine torso, 150 nodes, Sumner", 150, Weights::SUMNER, Generated, torso()),
+        row("all affine, 150 nodes", 150, Weights::INVERSE_SQUARE, Generated, AffineChoice::All),
+        row("all affine, 150 nodes, Sumner", 150, Weights::SUMNER, Generated, AffineChoice::All),
     ]
 }
 

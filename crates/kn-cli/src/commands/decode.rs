@@ -123,8 +123,8 @@ impl DecodeArguments {
         match target {
             Target::Glb => {
                 outputs.file("--output", &self.output)?;
-                let rate = decoder.stream().header().map_or([30, 1], |header| header.frame_rate);
-                Sink::animation(&self.output, f64::from(rate[0]) / f64::from(rate[1]))
+                let rate = decoder.stream().header().map(|header| header.frame_rate);
+                Sink::animation(&self.output, rate.unwrap_or_default().per_second())
             }
             Target::Folder(extension) => {
                 Sink::files(&self.output, extension, outputs, self.overwrite)

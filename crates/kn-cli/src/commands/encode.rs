@@ -1,28 +1,27 @@
 //! `kn encode`: scans in, a .knm file out.
 
 mod label_checks;
-pub(crate) mod names;
 mod report;
 pub(crate) mod survey;
 mod vertex_maps;
 
 use crate::Outcome;
 use crate::arguments::Global;
-use crate::choices::{self, FrameRate, LabelArgument, UnitArgument, UpAxis};
+use crate::choices::{self, LabelArgument, named};
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
 use crate::scans;
 use crate::settings::Settings;
 use anyhow::{Context, Result};
+use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis};
 use kn_codec::{
-    AffineChoice, CombinationChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice,
-    NodeChoice, Preset, StepChoice, Summary,
+    AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, NodeChoice, Preset,
+    StepChoice, Summary,
 };
 use kn_io::{InputFrame, Inputs, ReadOptions};
 use kn_mesh::{Cleaned, Mesh};
 use kn_segment::check_labels;
-use names::name_pattern;
 use report::Report;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -71,10 +70,11 @@ pub(crate) struct EncodeArguments {
     #[arg(long, value_name = "GLOB|auto|colours|none")]
     labels: Option<LabelArgument>,
     /// Unit of the coordinates; carried, not interpreted
-    #[arg(long, value_enum, default_value_t = UnitArgument::Unspecified)]
-    unit: UnitArgument,
+    #[arg(long, value_parser = named::<UnitOfLength>())]
+    #[arg(default_value_t = UnitOfLength::Unspecified)]
+    unit: UnitOfLength,
     /// The axis that points up
-    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    #[arg(long, value_parser = named::<UpAxis>(), default_value_t = UpAxis::Y)]
     up: UpAxis,
     /// Give every coordinate back to the last bit: for integers, fixed fractions and decimals of at
     /// most 20 bits; all frames are I-frames
@@ -132,7 +132,7 @@ fn encode(
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
-    let up_axis = config.up_axis.into();
+    let up_axis = config.up_axis;
     let mut encoder = Encoder::new(writer, config)?;
     for frame in inputs.frames() {
         let frame = frame?;
@@ -192,10 +192,10 @@ impl EncodeArguments {
 
     fn config(&self, survey: &Survey) -> Result<EncoderConfig> {
         let mut config = EncoderConfig {
-            frame_rate: (self.fps.numerator, self.fps.denominator),
-            unit: self.unit.into(),
-            up_axis: self.up as u8,
-            names: name_pattern(&survey.names),
+            frame_rate: self.fps,
+            unit: self.unit,
+            up_axis: self.up,
+            names: FileNames::of_all(&survey.names),
             vertex_maps: self.vertex_maps.is_some(),
             ..self.preset.config()
         };
@@ -222,20 +222,20 @@ impl EncodeArguments {
             "bits": bits,
             "step": step,
             "lossless": self.lossless,
-            "decimation": config.decimation.map(|decimation| format!("{decimation:?}")),
+            "decimation": config.decimation.map(|decimation| decimation.to_string()),
             "gof": config.group_length,
             "nodes": config.nodes.most(),
             "nodes_by_cost": matches!(config.nodes, NodeChoice::Cost { .. }),
-            "placement": format!("{:?}", config.placement).to_lowercase(),
+            "placement": config.placement.to_string(),
             "fps": self.fps.per_second(),
-            "influence": format!("{:?}", config.influence).to_lowercase(),
+            "influence": config.influence.to_string(),
             "labels": labels_name(config.labels, survey),
-            "affine": affine_name(&config.affine),
-            "combination": combination_name(config.combination),
-            "distortion": format!("{:?}", config.distortion).to_lowercase(),
+            "affine": config.affine.to_string(),
+            "combination": config.combination.to_string(),
+            "distortion": config.distortion.to_string(),
             "lambda": config.lambda,
-            "part_start": format!("{:?}", config.part_start).to_lowercase(),
-            "translation": format!("{:?}", config.translation).to_lowercase(),
+            "part_start": config.part_start.to_string(),
+            "translation": config.translation.to_string(),
             "motion_step": match config.motion_step {
                 StepChoice::Fixed(step) => json!(step),
                 StepChoice::Cost => json!("auto"),
@@ -250,24 +250,5 @@ fn labels_name(choice: LabelChoice, survey: &Survey) -> &'static str {
         _ if survey.labelled => "given",
         LabelChoice::Auto => "auto",
         LabelChoice::Given => "none",
-    }
-}
-
-fn affine_name(affine: &AffineChoice) -> &'static str {
-    match affine {
-        AffineChoice::None => "none",
-        AffineChoice::Labels(_) => "labels",
-        AffineChoice::Cost => "cost",
-        AffineChoice::All => "all",
-    }
-}
-
-/// A combination, or when one is chosen.
-fn combination_name(choice: CombinationChoice) -> &'static str {
-    match choice {
-        CombinationChoice::Fixed(combination) => combination.name(),
-        CombinationChoice::FirstP => "first-p",
-        CombinationChoice::PerFrame => "per-frame",
-        CombinationChoice::LookAhead => "look-ahead",
     }
 }

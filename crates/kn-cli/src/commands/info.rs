@@ -5,7 +5,8 @@ use crate::output::{print, print_json};
 use crate::stream::{self, Source};
 use crate::table::{counted, grouped, table};
 use anyhow::{Context, Result};
-use kn_bitstream::{InfluenceMode, LabelSet, SequenceHeader, UnitOfLength, WeightScheme};
+use kn_bitstream::SequenceHeader;
+use kn_bitstream::params::LabelSet;
 use kn_codec::{Decoder, FrameInfo};
 use kn_mesh::Mesh;
 use serde::Serialize;
@@ -36,13 +37,13 @@ struct StreamInfo {
     /// Of the grid, world units.
     step: f64,
     origin: [f64; 3],
-    unit: &'static str,
-    up: &'static str,
+    unit: String,
+    up: String,
     /// Most frames in a group.
     group_length: u8,
     nodes_per_vertex: u8,
-    weights: &'static str,
-    influence: &'static str,
+    weights: String,
+    influence: String,
     /// `none`, `body` or `custom`.
     labels: &'static str,
     level: u8,
@@ -53,25 +54,15 @@ impl StreamInfo {
     fn new(bytes: u64, header: &SequenceHeader, frames: Vec<FrameRow>) -> Self {
         Self {
             bytes,
-            fps: f64::from(header.frame_rate[0]) / f64::from(header.frame_rate[1]),
+            fps: header.frame_rate.per_second(),
             step: header.grid_step,
             origin: header.grid_origin,
-            unit: match header.unit_of_length {
-                UnitOfLength::Unspecified => "unspecified",
-                unit => stream::unit_name(unit),
-            },
-            up: ["x", "y", "z"][usize::from(header.up_axis.min(2))],
+            unit: header.unit_of_length.to_string(),
+            up: header.up_axis.to_string(),
             group_length: header.max_group_length,
             nodes_per_vertex: header.nodes_per_vertex,
-            weights: match header.weight_scheme {
-                WeightScheme::InverseSquare => "inverse-square",
-                WeightScheme::Sumner => "sumner",
-                WeightScheme::Gaussian => "gaussian",
-            },
-            influence: match header.influence_mode {
-                InfluenceMode::Strict => "strict",
-                InfluenceMode::Fallback => "fallback",
-            },
+            weights: header.weight_scheme.to_string(),
+            influence: header.influence_mode.to_string(),
             labels: match &header.labels {
                 LabelSet::None => "none",
                 LabelSet::Body => "body",

@@ -3,13 +3,14 @@
 mod preview;
 
 use crate::arguments::Global;
-use crate::choices::UpAxis;
+use crate::choices::named;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
 use crate::scans;
 use crate::table::table;
 use crate::{Outcome, parts, progress};
 use anyhow::{Context, Result, ensure};
+use kn_bitstream::params::UpAxis;
 use kn_io::{InputFrame, Inputs, LabelSource, ReadOptions};
 use kn_mesh::{Cleaned, Mesh};
 use kn_segment::{SegmentOptions, Segmenter, check_labels};
@@ -56,7 +57,7 @@ pub(crate) struct SegmentArguments {
     #[arg(long, value_name = "FILE.png")]
     preview: Option<PathBuf>,
     /// The axis that points up
-    #[arg(long, value_enum, default_value_t = UpAxis::Y)]
+    #[arg(long, value_parser = named::<UpAxis>(), default_value_t = UpAxis::Y)]
     up: UpAxis,
     /// Print JSON: every frame's confidence by part, and what was doubtful
     #[arg(long)]
@@ -84,7 +85,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     let mut preview = arguments.preview.as_ref().map(|_| Preview::new(inputs.len()));
     let output = arguments.output.as_deref().map(|folder| LabelFiles::create(folder, outputs));
     let mut output = output.transpose()?;
-    let options = SegmentOptions { up_axis: arguments.up as usize };
+    let options = SegmentOptions { up_axis: arguments.up };
     let mut segmenter = Segmenter::new(options);
     let bar = progress::bar(global, "segmenting", Some(inputs.len() as u64));
     let mut rows = Vec::new();
@@ -108,7 +109,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     }
     drop(bar);
     if let (Some(preview), Some(path)) = (preview, &arguments.preview) {
-        let picture = preview.draw(arguments.up as u8)?;
+        let picture = preview.draw(arguments.up)?;
         write_file(path, |out| Ok(picture.write_png(out)?))?;
     }
     output.map(LabelFiles::publish).transpose()?;

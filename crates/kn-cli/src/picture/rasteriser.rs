@@ -178,6 +178,7 @@ fn srgb_of(light: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kn_bitstream::params::UpAxis;
     use kn_mesh::BoundingBox;
 
     fn square_at(z: f32) -> Mesh {
@@ -186,7 +187,7 @@ mod tests {
     }
 
     fn view() -> View {
-        View::new(&BoundingBox { min: [-1.0; 3], max: [1.0; 3] }, 1, 0.0)
+        View::new(&BoundingBox { min: [-1.0; 3], max: [1.0; 3] }, UpAxis::Y, 0.0)
     }
 
     #[test]

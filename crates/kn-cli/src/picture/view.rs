@@ -1,5 +1,6 @@
 //! Where a picture is taken from: parallel projection, turned about the up axis.
 
+use kn_bitstream::params::UpAxis;
 use kn_mesh::BoundingBox;
 
 /// A parallel projection that shows a whole box.
@@ -19,8 +20,8 @@ const MARGIN: f32 = 0.03;
 const PITCH_DEGREES: f32 = 8.0;
 
 impl View {
-    /// Looks at `bounds` from the front, turned by `yaw_degrees` about the up axis (0, 1 or 2).
-    pub(crate) fn new(bounds: &BoundingBox, up_axis: u8, yaw_degrees: f32) -> Self {
+    /// Looks at `bounds` from the front, turned by `yaw_degrees` about the up axis.
+    pub(crate) fn new(bounds: &BoundingBox, up_axis: UpAxis, yaw_degrees: f32) -> Self {
         let axes = camera_axes(up_axis, yaw_degrees);
         let middle = |axis: usize| ((bounds.min[axis] + bounds.max[axis]) / 2.0) as f32;
         let extent = |axis: usize| ((bounds.max[axis] - bounds.min[axis]) / 2.0) as f32;
@@ -54,11 +55,11 @@ impl View {
     }
 }
 
-fn camera_axes(up_axis: u8, yaw_degrees: f32) -> [[f32; 3]; 3] {
+fn camera_axes(up_axis: UpAxis, yaw_degrees: f32) -> [[f32; 3]; 3] {
     let (sin_yaw, cos_yaw) = yaw_degrees.to_radians().sin_cos();
     let (sin_pitch, cos_pitch) = PITCH_DEGREES.to_radians().sin_cos();
     // For y up these are right = x, up = y, towards = z; other up axes permute cyclically.
-    let up = usize::from(up_axis.min(2));
+    let up = up_axis.index();
     let (right, toward) = ((up + 2) % 3, (up + 1) % 3);
     let axis = |r: f32, u: f32, t: f32| {
         let mut v = [0.0; 3];
@@ -75,11 +76,12 @@ fn camera_axes(up_axis: u8, yaw_degrees: f32) -> [[f32; 3]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kn_bitstream::params::Named;
 
     #[test]
     fn the_whole_box_is_in_the_picture() {
         let bounds = BoundingBox { min: [-1.0, 0.0, 2.0], max: [3.0, 9.0, 4.0] };
-        for up_axis in 0..3 {
+        for up_axis in UpAxis::all() {
             for yaw in [0.0, 33.0, 90.0, 210.0] {
                 let view = View::new(&bounds, up_axis, yaw);
                 for corner in 0..8 {
@@ -93,13 +95,13 @@ mod tests {
 
     #[test]
     fn axes_are_right_handed_and_up_is_up() {
-        for up_axis in 0..3u8 {
+        for up_axis in UpAxis::all() {
             let [r, u, t] = camera_axes(up_axis, 20.0);
             let cross: [f32; 3] = std::array::from_fn(|i| {
                 r[(i + 1) % 3] * u[(i + 2) % 3] - r[(i + 2) % 3] * u[(i + 1) % 3]
             });
             assert!((0..3).all(|i| (cross[i] - t[i]).abs() < 1e-6), "up axis {up_axis}");
-            assert!(u[usize::from(up_axis)] > 0.9);
+            assert!(u[up_axis.index()] > 0.9);
         }
     }
 }

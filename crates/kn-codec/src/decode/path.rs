@@ -2,6 +2,7 @@
 //! component downwards (`spec/07-motion.md`, 7.5). Integers only.
 
 use crate::decode::node_graph::NodeGraph;
+use kn_bitstream::params::{BodyPart, Region};
 use kn_deform::Influence;
 use std::cmp::Ordering;
 
@@ -23,15 +24,10 @@ pub(crate) struct Sites<'s> {
     pub(crate) up_axis: usize,
 }
 
-/// Labels of a body (`header.labels.meaning`).
-const HEAD: u8 = 0;
-const TORSO: u8 = 7;
-const OTHER: u8 = 14;
-
 /// The path: every node once.
 pub(crate) fn trace_path(sites: &Sites<'_>) -> Vec<Visit> {
     let graph = NodeGraph::new(sites.positions.len(), sites.influence);
-    let mut components: Vec<(u8, Vec<u16>)> =
+    let mut components: Vec<(BodyPart, Vec<u16>)> =
         graph.components().into_iter().map(|nodes| (sites.part_of(&nodes), nodes)).collect();
     // Stable: of equals the one with the lowest node stays first.
     components.sort_by_key(|(part, nodes)| (*part, std::cmp::Reverse(nodes.len())));
@@ -63,13 +59,14 @@ fn next_layer(graph: &NodeGraph, layer: &[u16], visited: &mut [bool]) -> Vec<u16
 
 impl Sites<'_> {
     /// The first part of a component in the order of the body (`path.part`).
-    fn part_of(&self, component: &[u16]) -> u8 {
+    fn part_of(&self, component: &[u16]) -> BodyPart {
         let label = |labels: &[u8]| component.iter().map(|&n| labels[usize::from(n)]).min();
-        self.body_labels.and_then(label).unwrap_or(OTHER)
+        let label = self.body_labels.and_then(label);
+        label.and_then(BodyPart::from_label).unwrap_or(BodyPart::Other)
     }
 
     /// Where a component's spiral begins, and what the start is predicted from.
-    fn start(&self, part: u8, component: &[u16], path: &[Visit]) -> Visit {
+    fn start(&self, part: BodyPart, component: &[u16], path: &[Visit]) -> Visit {
         let references = self.references(part, path);
         if references.is_empty() {
             let height =
@@ -91,11 +88,11 @@ impl Sites<'_> {
     }
 
     /// The nodes that a component's start is sought and predicted from (`path.references`).
-    fn references(&self, part: u8, path: &[Visit]) -> Vec<u16> {
-        let wanted = match part {
-            HEAD | OTHER => None,
-            part if part <= TORSO => Some(HEAD),
-            _ => Some(TORSO),
+    fn references(&self, part: BodyPart, path: &[Visit]) -> Vec<u16> {
+        let wanted = match part.region() {
+            Region::Head | Region::Other => None,
+            Region::Torso | Region::LeftArm | Region::RightArm => Some(BodyPart::Head.label()),
+            Region::LeftLeg | Region::RightLeg => Some(BodyPart::Torso.label()),
         };
         let labels = self.body_labels.unwrap_or_default();
         let of_part = (0_u16..).zip(labels).filter(|(_, label)| Some(**label) == wanted);

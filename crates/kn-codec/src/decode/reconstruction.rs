@@ -5,25 +5,22 @@ use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
 use crate::decode::path::{Sites, trace_path};
 use crate::decode::transforms::decode_transforms;
 use crate::decode::translation::Translations;
+use kn_bitstream::params::{InfluenceMode, LabelSet, UpAxis, WeightScheme, Weights};
 use kn_bitstream::{
-    InfluenceMode as CodedMode, KeyNodes, LabelSet, MotionContext, MotionFrame, SequenceHeader,
-    WeightScheme as CodedScheme,
+    KeyNodes, MotionContext, MotionFrame, SequenceHeader,
     rule::{self, Rule},
 };
-use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, InfluenceMode, NodeTransform, Smoother,
-    WeightScheme, bind,
-};
+use kn_deform::{BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind};
 use kn_mesh::{Grid, GridMesh};
 
 /// Decodes the frames of a group, one after the other. Buffers are reused from group to group.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reconstruction {
-    up_axis: usize,
+    up_axis: UpAxis,
     fraction_bits: u32,
     nodes_per_vertex: usize,
-    weight_scheme: CodedScheme,
-    influence_mode: CodedMode,
+    weight_scheme: WeightScheme,
+    influence_mode: InfluenceMode,
     labels: LabelSet,
     /// The decoded I-frame, in grid steps.
     intra: GridMesh,
@@ -44,7 +41,7 @@ impl Reconstruction {
     /// A reconstruction under the settings of a sequence.
     pub(crate) fn new(header: &SequenceHeader) -> Self {
         Self {
-            up_axis: usize::from(header.up_axis),
+            up_axis: header.up_axis,
             fraction_bits: u32::from(header.fraction_bits),
             nodes_per_vertex: usize::from(header.nodes_per_vertex),
             weight_scheme: header.weight_scheme,
@@ -94,7 +91,12 @@ impl Reconstruction {
         self.vertex_regions.extend(self.intra.labels.iter().map(region));
         self.vertex_regions.resize(self.intra.positions.len(), region(&0));
         let node_regions: Vec<u8> = self.nodes.labels.iter().map(region).collect();
-        let options = self.bind_options(key_nodes);
+        let weights = Weights::of_stream(self.weight_scheme, key_nodes.weight_sigma);
+        let options = BindOptions {
+            nodes_per_vertex: self.nodes_per_vertex,
+            weights: weights.ok_or(rule::NODES_SIGMA_RANGE)?,
+            mode: self.influence_mode,
+        };
         let (vertices, nodes) = (&self.intra.positions, &self.nodes.positions);
         bind(vertices, &self.vertex_regions, nodes, &node_regions, &options, &mut self.influence)
             .map_err(bind_rule)?;
@@ -102,30 +104,13 @@ impl Reconstruction {
             positions: nodes,
             body_labels: (self.labels == LabelSet::Body).then_some(&self.nodes.labels),
             influence: &self.influence,
-            up_axis: self.up_axis,
+            up_axis: self.up_axis.index(),
         });
         self.translations.begin(&self.nodes.labels, path);
         for position in &mut self.nodes.positions {
             *position = position.map(|c| c << self.fraction_bits);
         }
         Ok(())
-    }
-
-    fn bind_options(&self, key_nodes: &KeyNodes) -> BindOptions {
-        BindOptions {
-            nodes_per_vertex: self.nodes_per_vertex,
-            weights: match self.weight_scheme {
-                CodedScheme::InverseSquare => WeightScheme::InverseSquare,
-                CodedScheme::Sumner => WeightScheme::Sumner,
-                CodedScheme::Gaussian => {
-                    WeightScheme::Gaussian { sigma: key_nodes.weight_sigma.unwrap_or(1) }
-                }
-            },
-            mode: match self.influence_mode {
-                CodedMode::Strict => InfluenceMode::Strict,
-                CodedMode::Fallback => InfluenceMode::Fallback,
-            },
-        }
     }
 
     /// What the syntax of the next P-frame depends on.

@@ -47,12 +47,12 @@ fn parameter(quantised: [i32; 3], step: i64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kn_bitstream::Components;
+    use kn_bitstream::params::Combination;
 
     #[test]
     fn lists_go_to_the_nodes_that_carry_them() {
         let motion = MotionFrame {
-            enabled: Components { rotation: false, scale: true, shear: true },
+            enabled: Combination { rotation: false, scale: true, shear: true },
             rotation_step: 56,
             scale_step: 56,
             shear_step: 60,

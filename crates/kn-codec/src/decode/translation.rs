@@ -2,8 +2,9 @@
 //! 7.4). The encoder runs the same prediction with its own quantiser in the loop.
 
 use crate::decode::path::Visit;
+use kn_bitstream::params::TranslationMode;
 use kn_bitstream::rule::{self, Rule};
-use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
+use kn_bitstream::{MotionFrame, translation_step};
 
 /// The translations of the last P-frame of a group, and what the next is predicted with.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Decimation of I-frames for low rates: edges collapse onto one of their ends by quadric error, so
 //! that vertices stay where they are and keep their labels. Not normative.
 
-use crate::encode::config::Decimation;
+use crate::encode::choices::Decimation;
 use kn_mesh::{Mesh, VertexMap};
 use kn_metrics::{TriangleTree, distances_to_surface};
 use meshopt::SimplifyOptions;

@@ -7,6 +7,7 @@ use crate::encode::labels::Labeller;
 use crate::encode::report::{FrameReport, Summary};
 use crate::encode::sequence::sequence_header;
 use crate::error::EncodeError;
+use kn_bitstream::params::BodyPart;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, write_unit};
 use kn_bitstream::{BitWriter, Index, IndexGroup};
 use kn_mesh::Mesh;
@@ -190,7 +191,7 @@ fn check_mesh(mesh: &Mesh, frame: u64) -> Result<(), EncodeError> {
     if !mesh.labels.is_empty() && mesh.labels.len() != count {
         return fail(format!("{} labels for {count} vertices", mesh.labels.len()));
     }
-    let known = kn_bitstream::BODY_LABELS.len();
+    let known = BodyPart::COUNT;
     match mesh.labels.iter().position(|&label| usize::from(label) >= known) {
         Some(vertex) => fail(format!(
             "label {} of vertex {vertex} is not 0 to {}",

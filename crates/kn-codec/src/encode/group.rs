@@ -3,9 +3,8 @@
 
 use crate::decode::{FrameKind, Reconstruction};
 use crate::digest::{faces_digest, positions_digest};
-use crate::encode::config::{
-    CombinationChoice, DistortionMeasure, EncoderConfig, GridChoice, SmoothingChoice,
-};
+use crate::encode::choices::{CombinationChoice, DistortionMeasure, SmoothingChoice};
+use crate::encode::config::{EncoderConfig, GridChoice};
 use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
 use crate::encode::motion::{CodedMotion, MotionEncoder, is_by_cost};
@@ -15,9 +14,10 @@ use crate::encode::scan::{Scan, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_bitstream::params::{BodyPart, Combination};
 use kn_bitstream::unit::{self, write_unit};
 use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
-use kn_deform::{BindError, Combination};
+use kn_deform::BindError;
 use kn_fit::{FitError, FitFailure};
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
 use kn_metrics::TriangleTree;
@@ -332,7 +332,7 @@ fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
 
 /// Strict mode refuses a group whose nodes leave out the region of this label.
 fn without_nodes(label: Option<&u8>) -> String {
-    let names = kn_bitstream::BODY_LABELS;
-    let part = label.and_then(|&label| names.get(usize::from(label))).map_or("a part", |l| l.0);
+    let part = label.and_then(|&label| BodyPart::from_label(label));
+    let part = part.map_or("a part".into(), |part| part.to_string());
     format!("{}: there is none for {part}", rule::DEFORM_INFLUENCE_STRICT)
 }

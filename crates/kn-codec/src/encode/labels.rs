@@ -1,6 +1,7 @@
 //! Body-part labels of frames that have none of their own.
 
-use crate::encode::config::{EncoderConfig, LabelChoice};
+use crate::encode::choices::LabelChoice;
+use crate::encode::config::EncoderConfig;
 use kn_mesh::Mesh;
 use kn_segment::{SegmentOptions, Segmentation, Segmenter};
 
@@ -13,7 +14,7 @@ impl Labeller {
     /// `None` where nobody asks for labels, or nothing would use them: I-frames alone need none.
     pub(crate) fn new(config: &EncoderConfig) -> Option<Self> {
         let wanted = config.labels == LabelChoice::Auto && config.group_length > 1;
-        let options = SegmentOptions { up_axis: config.up_axis.into() };
+        let options = SegmentOptions { up_axis: config.up_axis };
         wanted.then(|| Self { segmenter: Segmenter::new(options) })
     }
 

@@ -1,5 +1,6 @@
 //! Frames in, stream out.
 
+mod choices;
 mod config;
 mod cost;
 mod decimate;
@@ -16,11 +17,11 @@ mod sequence;
 mod smoothing;
 mod translation;
 
-pub use config::{
-    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
-    LabelChoice, NamePattern, NodeChoice, NodePlacement, SmoothingChoice, StepChoice,
-    TranslationChoice,
+pub use choices::{
+    AffineChoice, CombinationChoice, Decimation, DistortionMeasure, FormError, LabelChoice,
+    NodeChoice, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
 };
+pub use config::{EncoderConfig, GridChoice};
 pub use encoder::{Encoder, Finished};
 pub use preset::Preset;
 pub use report::{CostReport, FrameReport, StepReport, Summary};

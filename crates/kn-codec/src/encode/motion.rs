@@ -1,14 +1,16 @@
 //! Motion of P-frames: fit, choose by J = D + λR, quantise.
 
 use crate::decode::Reconstruction;
-use crate::encode::config::{CombinationChoice, EncoderConfig, StepChoice};
+use crate::encode::choices::{CombinationChoice, StepChoice};
+use crate::encode::config::EncoderConfig;
 use crate::encode::cost::cheapest;
 use crate::encode::quantise::{StepGroup, Steps, quantise_parameters};
 use crate::encode::report::CostReport;
 use crate::encode::scan::Scan;
 use crate::encode::translation::code_translations;
+use kn_bitstream::params::Combination;
 use kn_bitstream::{BitWriter, MotionFrame, SequenceHeader};
-use kn_deform::{Combination, NodeTransform};
+use kn_deform::NodeTransform;
 use kn_fit::{Fit, FitFailure, FitOptions, FitSource, Fitter};
 
 /// A step is chosen in so many rounds over its components ...

@@ -1,12 +1,12 @@
 //! The key nodes of a group of frames.
 
-use crate::encode::config::{
-    AffineChoice, CombinationChoice, EncoderConfig, NodeChoice, NodePlacement,
-};
+use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePlacement};
+use crate::encode::config::EncoderConfig;
 use crate::encode::scan::{Scans, distortion_slope};
 use crate::error::EncodeError;
-use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, LabelSet, NodeSites};
-use kn_deform::{BindOptions, Influence, WeightScheme, bind};
+use kn_bitstream::params::LabelSet;
+use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, NodeSites};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
     FitError, FitOptions, FitSource, GenerateOptions, NodeCount, NodeSource, RankBy, affine_gains,
     generate_nodes, place_farthest,
@@ -206,10 +206,7 @@ impl<'a> NodeChooser<'a> {
         let coded = |sites: NodeSites| KeyNodes {
             sites,
             affine: affine.clone(),
-            weight_sigma: match self.config.weights {
-                WeightScheme::Gaussian { sigma } => Some(sigma),
-                WeightScheme::InverseSquare | WeightScheme::Sumner => None,
-            },
+            weight_sigma: self.config.weights.sigma(),
         };
         let by_vertex = coded(NodeSites::Vertices(vertices.to_vec()));
         let by_point = coded(NodeSites::Points(points));
@@ -233,7 +230,7 @@ fn affine_nodes(choice: &AffineChoice, labels: &LabelSet) -> AffineNodes {
     match choice {
         AffineChoice::All => AffineNodes::All,
         AffineChoice::Labels(affine) if *labels != LabelSet::None => {
-            let flag = |label: u32| affine.iter().any(|&one| u32::from(one) == label);
+            let flag = |label: u32| affine.iter().any(|part| u32::from(part.label()) == label);
             AffineNodes::Labels((0..labels.label_count()).map(flag).collect())
         }
         AffineChoice::None | AffineChoice::Labels(_) | AffineChoice::Cost => AffineNodes::None,

@@ -1,11 +1,12 @@
 //! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
 //! ablations.
 
-use crate::encode::config::{
-    AffineChoice, CombinationChoice, DistortionMeasure, EncoderConfig, LabelChoice, NodeChoice,
-    StepChoice, TranslationChoice,
+use crate::encode::choices::{
+    AffineChoice, CombinationChoice, DistortionMeasure, LabelChoice, NodeChoice, StepChoice,
+    TranslationChoice,
 };
-use kn_deform::{Combination, InfluenceMode, WeightScheme};
+use crate::encode::config::EncoderConfig;
+use kn_bitstream::params::{Combination, InfluenceMode, Weights};
 use kn_fit::PartStart;
 
 /// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
@@ -40,7 +41,7 @@ const PRESETS: &[Preset] = &[
             config.combination = Combination::RT.into();
             config.motion_step = StepChoice::Fixed(2.0);
             config.nodes = NodeChoice::Fixed(2 * NODES);
-            config.weights = WeightScheme::Sumner;
+            config.weights = Weights::SUMNER;
             config.translation = TranslationChoice::Direct;
         },
     },
@@ -113,12 +114,12 @@ const PRESETS: &[Preset] = &[
     Preset {
         name: "weights-inverse-square",
         about: "bimodal with the paper's weights 1/d²",
-        change: |config| config.weights = WeightScheme::InverseSquare,
+        change: |config| config.weights = Weights::INVERSE_SQUARE,
     },
     Preset {
         name: "weights-gaussian",
         about: "bimodal with weights exp(-d²/2σ²), which stand in for the isometric scheme",
-        change: |config| config.weights = WeightScheme::Gaussian { sigma: GAUSSIAN_SIGMA },
+        change: |config| config.weights = Weights::gaussian(GAUSSIAN_SIGMA),
     },
 ];
 

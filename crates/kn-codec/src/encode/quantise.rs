@@ -1,10 +1,10 @@
 //! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
 
-use crate::encode::config::{EncoderConfig, StepChoice};
-use kn_bitstream::{
-    Components, HUFFMAN_VALUE_LIMIT, MotionFrame, ValueList, parameter_step, translation_step,
-};
-use kn_deform::{Combination, NodeTransform};
+use crate::encode::choices::StepChoice;
+use crate::encode::config::EncoderConfig;
+use kn_bitstream::params::Combination;
+use kn_bitstream::{HUFFMAN_VALUE_LIMIT, MotionFrame, ValueList, parameter_step, translation_step};
+use kn_deform::NodeTransform;
 
 /// Quantiser steps of a frame, as indices of the specification's families of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub(crate) struct Steps {
     pub(crate) shear: u8,
 }
 
-/// Components whose steps are chosen together.
+/// Combination whose steps are chosen together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StepGroup {
     Translation,
@@ -116,7 +116,7 @@ pub(crate) fn quantise_parameters(
 ) {
     let any_affine = affine.contains(&true);
     let carried = |component: bool| component && any_affine;
-    motion.enabled = Components {
+    motion.enabled = Combination {
         rotation: carried(combination.rotation),
         scale: carried(combination.scale),
         shear: carried(combination.shear),
@@ -179,7 +179,7 @@ fn wrapped(angle: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::decode::Translations;
-    use crate::encode::config::TranslationChoice;
+    use crate::encode::choices::TranslationChoice;
     use crate::encode::translation::code_translations;
     use kn_bitstream::{BitReader, BitWriter, MotionContext, translation_step};
 

@@ -2,8 +2,8 @@
 
 use crate::decode::FrameKind;
 use crate::encode::quantise::unit_step;
-use kn_bitstream::{MotionFrame, TranslationMode, translation_step};
-use kn_deform::Combination;
+use kn_bitstream::params::{Combination, TranslationMode};
+use kn_bitstream::{MotionFrame, translation_step};
 use kn_segment::Segmentation;
 
 /// What became of one frame.
@@ -25,7 +25,7 @@ pub struct FrameReport {
     pub nodes: u32,
     /// Of these, affine ones.
     pub affine_nodes: u32,
-    /// Components of affine nodes; `None` for an I-frame.
+    /// Combination of affine nodes; `None` for an I-frame.
     pub combination: Option<Combination>,
     /// What translations are predicted from; `None` for an I-frame.
     pub translation: Option<TranslationMode>,

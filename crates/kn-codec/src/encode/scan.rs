@@ -1,6 +1,6 @@
 //! The scans of a group: what P-frames are fitted to and measured against.
 
-use crate::encode::config::DistortionMeasure;
+use crate::encode::choices::DistortionMeasure;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
 use kn_mesh::vec3::cross;

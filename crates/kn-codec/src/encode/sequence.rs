@@ -1,14 +1,10 @@
 //! From the settings and the first frame to the sequence header.
 
-use crate::encode::config::{
-    Decimation, EncoderConfig, GridChoice, SmoothingChoice, StepChoice, step_of_bits,
-};
+use crate::encode::choices::{Decimation, SmoothingChoice, StepChoice};
+use crate::encode::config::{EncoderConfig, GridChoice, step_of_bits};
 use crate::error::EncodeError;
-use kn_bitstream::{
-    FileNames, InfluenceMode as CodedMode, LabelSet, Level, SequenceHeader,
-    WeightScheme as CodedScheme,
-};
-use kn_deform::{InfluenceMode, WeightScheme};
+use kn_bitstream::params::{FrameRate, LabelSet, name_text};
+use kn_bitstream::{Level, SequenceHeader};
 use kn_mesh::{Grid, Mesh};
 
 /// The header of a sequence that begins with `first`, which is sound and has a vertex.
@@ -22,29 +18,18 @@ pub(crate) fn sequence_header(
     let grid = choose_grid(&config.grid, first)?;
     let header = SequenceHeader {
         level: choose_level(config, first)?,
-        frame_rate: [config.frame_rate.0, config.frame_rate.1],
+        frame_rate: config.frame_rate,
         up_axis: config.up_axis,
         unit_of_length: config.unit,
         fraction_bits: config.fraction_bits,
         max_group_length: config.group_length,
         nodes_per_vertex: config.nodes_per_vertex,
-        weight_scheme: match config.weights {
-            WeightScheme::InverseSquare => CodedScheme::InverseSquare,
-            WeightScheme::Sumner => CodedScheme::Sumner,
-            WeightScheme::Gaussian { .. } => CodedScheme::Gaussian,
-        },
-        influence_mode: match config.influence {
-            InfluenceMode::Strict => CodedMode::Strict,
-            InfluenceMode::Fallback => CodedMode::Fallback,
-        },
+        weight_scheme: config.weights.scheme(),
+        influence_mode: config.influence,
         labels: if first.labels.is_empty() { LabelSet::None } else { LabelSet::Body },
         grid_origin: grid.origin,
         grid_step: grid.step,
-        names: config.names.as_ref().map(|names| FileNames {
-            prefix: names.prefix.clone(),
-            digits: names.digits,
-            first: names.first,
-        }),
+        names: config.names.clone(),
     };
     check(&header, config)?;
     Ok(header)
@@ -55,8 +40,8 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     let require = |holds: bool, what: &str| {
         if holds { Ok(()) } else { Err(EncodeError::Config(what.to_owned())) }
     };
-    require(!header.frame_rate.contains(&0), "the frame rate is zero")?;
-    require(header.up_axis < 3, "the up axis is not 0, 1 or 2")?;
+    let FrameRate { numerator, denominator } = header.frame_rate;
+    require(numerator > 0 && denominator > 0, "the frame rate is zero")?;
     require(header.fraction_bits <= 8, "more than 8 fraction bits")?;
     require(header.max_group_length > 0, "a group of frames has at least one frame")?;
     require((1..=8).contains(&header.nodes_per_vertex), "nodes per vertex are 1 to 8")?;
@@ -77,11 +62,11 @@ fn check(header: &SequenceHeader, config: &EncoderConfig) -> Result<(), EncodeEr
     require(!lossless || config.group_length == 1, "only groups of one frame are lossless")?;
     require(!lossless || config.decimation.is_none(), "a decimated mesh is not lossless")?;
     require(config.decimation.is_none_or(is_sound), "nothing is left of a decimated mesh")?;
-    if let WeightScheme::Gaussian { sigma } = config.weights {
+    if let Some(sigma) = config.weights.sigma() {
         require((1..1 << 20).contains(&sigma), "sigma is not 1 to 2^20 − 1 grid steps")?;
     }
     if let Some(names) = &header.names {
-        let text = kn_bitstream::name_text(names.prefix.as_bytes());
+        let text = name_text(names.prefix.as_bytes());
         require(names.prefix.len() < 256 && text.is_some(), "the name prefix cannot be coded")?;
         require(names.digits <= 9, "names have at most 9 digits")?;
     }

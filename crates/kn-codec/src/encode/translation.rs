@@ -1,9 +1,10 @@
 //! Translations of a P-frame: what they are predicted from, and their quantised values.
 
 use crate::decode::Translations;
-use crate::encode::config::TranslationChoice;
+use crate::encode::choices::TranslationChoice;
 use crate::encode::quantise::quantised;
-use kn_bitstream::{EntropyMode, MotionFrame, TranslationMode, ValueList, translation_step};
+use kn_bitstream::params::TranslationMode;
+use kn_bitstream::{EntropyMode, MotionFrame, ValueList, translation_step};
 use kn_deform::NodeTransform;
 
 /// Codes the translations of `transforms` (`#N`, in reference units) into `motion`: mode, step,

@@ -1,14 +1,15 @@
 //! Streams as the encoder writes them.
 
 use anyhow::Result;
+use kn_bitstream::params::{
+    Combination, FileNames, FrameRate, InfluenceMode, UnitOfLength, UpAxis, Weights,
+};
 
-use kn_bitstream::UnitOfLength;
 use kn_codec::{
-    AffineChoice, DistortionMeasure, Encoder, EncoderConfig, GridChoice, LabelChoice, NamePattern,
+    AffineChoice, DistortionMeasure, Encoder, EncoderConfig, GridChoice, LabelChoice,
     NodePlacement, PartStart, SmoothingChoice, StepChoice, TranslationChoice,
 };
 use kn_conform::{Spec, node_labels};
-use kn_deform::{Combination, InfluenceMode, WeightScheme};
 use kn_mesh::Mesh;
 
 use super::Draft;
@@ -24,15 +25,15 @@ fn config() -> EncoderConfig {
         group_length: 8,
         nodes: 12.into(),
         placement: NodePlacement::Generated,
-        frame_rate: (30, 1),
+        frame_rate: FrameRate::default(),
         unit: UnitOfLength::Unspecified,
-        up_axis: 1,
+        up_axis: UpAxis::Y,
         fraction_bits: 8,
         smoothing: SmoothingChoice::Strength(0),
         nodes_per_vertex: 4,
-        weights: WeightScheme::InverseSquare,
+        weights: Weights::INVERSE_SQUARE,
         influence: InfluenceMode::Fallback,
-        affine: AffineChoice::Labels(vec![7]),
+        affine: AffineChoice::torso(),
         combination: Combination::RTSH.into(),
         distortion: DistortionMeasure::Surrogate,
         lambda: 3e-5,
@@ -80,7 +81,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     for (name, danger, combination) in COMBINATIONS {
         let config = EncoderConfig {
             combination: combination.into(),
-            affine: AffineChoice::Labels(vec![7]),
+            affine: AffineChoice::torso(),
             ..config()
         };
         let covers = &[
@@ -139,14 +140,14 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         "The distance to the first node that is not used shapes these weights.",
         &["header.weight.meaning", "deform.weights.sumner"],
         &short(&body),
-        EncoderConfig { weights: WeightScheme::Sumner, ..config() },
+        EncoderConfig { weights: Weights::SUMNER, ..config() },
     )?;
     add(
         "weights_gaussian",
         "The exponential is the polynomial of 8.1, and sigma is in grid steps.",
         &["nodes.sigma.meaning", "deform.weights.gaussian", "deform.exp"],
         &short(&body),
-        EncoderConfig { weights: WeightScheme::Gaussian { sigma: 40 }, ..config() },
+        EncoderConfig { weights: Weights::gaussian(40), ..config() },
     )?;
     add(
         "strict",
@@ -202,7 +203,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         &["header.names.meaning", "conventions.tables"],
         &short(&plain),
         EncoderConfig {
-            names: Some(NamePattern { prefix: "figure_".into(), digits: 4, first: 9 }),
+            names: Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 }),
             ..config()
         },
     )?;
@@ -254,7 +255,7 @@ struct Predicted {
     covers: &'static [&'static str],
     frames: Vec<Mesh>,
     choice: TranslationChoice,
-    up_axis: u8,
+    up_axis: UpAxis,
 }
 
 fn predicted(body: &Mesh) -> Vec<Predicted> {
@@ -268,7 +269,7 @@ fn predicted(body: &Mesh) -> Vec<Predicted> {
         covers,
         frames,
         choice: TranslationChoice::Paper,
-        up_axis: 1,
+        up_axis: UpAxis::Y,
     };
     vec![
         stream(
@@ -278,7 +279,7 @@ fn predicted(body: &Mesh) -> Vec<Predicted> {
             upright.clone(),
         ),
         Predicted {
-            up_axis: 2,
+            up_axis: UpAxis::Z,
             frames: upright.iter().map(|mesh| turned(mesh, 1)).collect(),
             ..stream(
                 "translation_up_z",
@@ -288,7 +289,7 @@ fn predicted(body: &Mesh) -> Vec<Predicted> {
             )
         },
         Predicted {
-            up_axis: 0,
+            up_axis: UpAxis::X,
             frames: upright.iter().map(|mesh| turned(mesh, 2)).collect(),
             ..stream(
                 "translation_up_x",

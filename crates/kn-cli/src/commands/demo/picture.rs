@@ -7,6 +7,7 @@ use crate::picture::{Canvas, Sheet, View};
 use crate::stream::kind_letter;
 use crate::table::grouped;
 use anyhow::Result;
+use kn_bitstream::params::UpAxis;
 use kn_mesh::{BoundingBox, Mesh};
 
 /// How many frames are shown.
@@ -22,7 +23,7 @@ pub(super) fn draw(
 ) -> Result<Canvas> {
     let count = scans.len().min(decoded.len());
     let shown = chosen(count);
-    let view = View::new(bounds, 1, YAW_DEGREES);
+    let view = View::new(bounds, UpAxis::Y, YAW_DEGREES);
     let millimetres = |distance: f64| 1e3 * distance;
     let mut errors = Vec::new();
     for &index in &shown {

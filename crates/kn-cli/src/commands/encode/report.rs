@@ -5,7 +5,7 @@ use crate::arguments::Global;
 use crate::parts;
 use crate::stream;
 use crate::table::{counted, grouped};
-use kn_codec::{CostReport, FrameReport, StepReport, Summary, TranslationMode};
+use kn_codec::{CostReport, FrameReport, StepReport, Summary};
 use kn_io::ReadNotes;
 use kn_mesh::CleanReport;
 use kn_segment::{LabelWarning, Segmentation};
@@ -43,7 +43,7 @@ struct CodedEntry {
     nodes: u32,
     affine_nodes: u32,
     combination: Option<&'static str>,
-    translation: Option<&'static str>,
+    translation: Option<String>,
     steps: Option<Value>,
     cost: Option<Value>,
     input_faces: u32,
@@ -100,7 +100,7 @@ impl Report {
             nodes: frame.nodes,
             affine_nodes: frame.affine_nodes,
             combination: frame.combination.map(|combination| combination.name()),
-            translation: frame.translation.map(TranslationMode::name),
+            translation: frame.translation.map(|mode| mode.to_string()),
             steps: frame.steps.map(steps_json),
             cost: frame.cost.map(cost_json),
             input_faces: frame.input_faces,

@@ -39,7 +39,7 @@ impl<'p> Cell<'p> {
         measures: Measures,
     ) -> Result<Self> {
         let mut config = EncoderConfig {
-            frame_rate: (sequence.rate.numerator, sequence.rate.denominator),
+            frame_rate: sequence.rate,
             up_axis: sequence.up_axis,
             names: sequence.names.clone(),
             ..codec.preset()?.config()

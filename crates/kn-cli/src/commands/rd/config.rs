@@ -1,11 +1,11 @@
 //! The configuration file: what it may hold, and the first look at whether it makes sense.
 
 use crate::arguments::FrameRange;
-use crate::choices::FrameRate;
 use crate::distortion::Measures;
 use crate::nearest::nearest;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use kn_bitstream::params::{FrameRate, UpAxis};
 use kn_codec::Preset;
 use serde::Deserialize;
 use std::collections::HashSet;
@@ -51,7 +51,7 @@ pub(super) struct SequenceEntry {
     pub(super) labels: Option<String>,
     pub(super) frames: Option<String>,
     pub(super) fps: Option<toml::Value>,
-    pub(super) up: Option<char>,
+    pub(super) up: Option<String>,
     #[serde(flatten)]
     pub(super) settings: toml::Table,
 }
@@ -233,7 +233,7 @@ impl SequenceEntry {
         );
         self.frame_range()?;
         self.frame_rate()?;
-        ensure!(self.up.is_none_or(|up| "xyz".contains(up)), "the up axis is x, y or z");
+        self.up_axis()?;
         Ok(())
     }
 
@@ -261,12 +261,13 @@ impl SequenceEntry {
             Some(number) => number.to_string(),
         };
         // TOML writes whole floats as 30.0, which the flag takes too.
-        text.parse().map_err(|reason: String| anyhow!(reason)).context("fps")
+        Ok(text.parse().context("fps")?)
     }
 
-    /// The number of the axis that points up.
-    pub(super) fn up_axis(&self) -> u8 {
-        self.up.map_or(1, |up| up as u8 - b'x')
+    /// The axis that points up.
+    pub(super) fn up_axis(&self) -> Result<UpAxis> {
+        let parse = |text: &String| text.parse();
+        Ok(self.up.as_ref().map_or(Ok(UpAxis::default()), parse).context("up")?)
     }
 }
 

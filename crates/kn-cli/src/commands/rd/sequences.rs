@@ -4,13 +4,12 @@ use super::config::{CodecLabels, Config, SequenceEntry};
 use super::performer;
 use super::results::SequenceInfo;
 use crate::arguments::{FrameRange, Global};
-use crate::choices::FrameRate;
-use crate::commands::encode::names::name_pattern;
 use crate::distortion::Scale;
 use crate::progress;
 use crate::scans;
 use anyhow::{Context, Result, anyhow, ensure};
-use kn_codec::{EncodeError, NamePattern};
+use kn_bitstream::params::{FileNames, FrameRate, UpAxis};
+use kn_codec::EncodeError;
 use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh};
 use sha2::{Digest, Sha256};
@@ -29,9 +28,9 @@ pub(super) struct Sequence {
     labels: Option<PathBuf>,
     /// The box of the cleaned meshes, which the grid and distances refer to.
     pub(super) bounds: BoundingBox,
-    pub(super) names: Option<NamePattern>,
+    pub(super) names: Option<FileNames>,
     pub(super) rate: FrameRate,
-    pub(super) up_axis: u8,
+    pub(super) up_axis: UpAxis,
 }
 
 impl Sequence {
@@ -94,12 +93,12 @@ impl Sequence {
             inputs,
             bare,
             frames,
-            names: name_pattern(&look.names),
+            names: FileNames::of_all(&look.names),
             files: look.files,
             labels,
             bounds,
             rate,
-            up_axis: entry.up_axis(),
+            up_axis: entry.up_axis()?,
         })
     }
 
@@ -163,8 +162,8 @@ impl Sequence {
         if self.rate != FrameRate::default() {
             flag("--fps", self.rate.to_string());
         }
-        if self.up_axis != 1 {
-            flag("--up", ["x", "y", "z"][usize::from(self.up_axis)].into());
+        if self.up_axis != UpAxis::default() {
+            flag("--up", self.up_axis.to_string());
         }
         arguments
     }

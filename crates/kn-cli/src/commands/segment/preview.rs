@@ -3,6 +3,7 @@
 use crate::heatmap::PICTURE;
 use crate::picture::{Canvas, Legend, Paint, Sheet, View, render};
 use anyhow::{Context, Result};
+use kn_bitstream::params::UpAxis;
 use kn_mesh::parts::{PART_COLOURS, PART_NAMES};
 use kn_mesh::{BoundingBox, Mesh};
 
@@ -33,7 +34,7 @@ impl Preview {
     }
 
     /// Draws the sheet.
-    pub(super) fn draw(&self, up_axis: u8) -> Result<Canvas> {
+    pub(super) fn draw(&self, up_axis: UpAxis) -> Result<Canvas> {
         let boxes: Option<Vec<BoundingBox>> =
             self.frames.iter().map(|(_, mesh)| mesh.bounding_box()).collect();
         let boxes = boxes.filter(|boxes| !boxes.is_empty()).context("there is nothing to draw")?;

@@ -5,9 +5,10 @@ use crate::decode::reconstruction::Reconstruction;
 use crate::digest::{faces_digest, positions_digest};
 use crate::error::{DecodeError, DecodeErrorKind};
 use crate::intra::{IntraError, IntraLimits, decode_intra};
+use kn_bitstream::params::LabelSet;
 use kn_bitstream::unit::{self, Unit};
 use kn_bitstream::{
-    BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext, LabelSet,
+    BitReader, FrameHeader, Index, IndexGroup, IntraFrame, KeyNodes, KeyNodesContext,
     SequenceHeader, Trace,
     rule::{self, Rule},
 };

@@ -1,0 +1,107 @@
+//! Enumerations whose values have names.
+
+use std::fmt;
+use strum::EnumMessage;
+
+/// An enumeration whose values have names: it is parsed from them, prints them, and knows what each
+/// value means. Command lines and bindings generate their lists of values from it.
+///
+/// The derives of [`strum`] give the names (`AsRefStr`) and the descriptions (`EnumMessage`), and
+/// with [`NameError::of`] as its error `EnumString` reads them.
+pub trait Named: Clone + AsRef<str> + EnumMessage {
+    /// What a value is, in the singular: `weight scheme`.
+    const KIND: &'static str;
+
+    /// All values that have a name of their own, in the order of their declaration.
+    fn all() -> Vec<Self>;
+
+    /// The name that is parsed and printed.
+    fn name(&self) -> &str {
+        self.as_ref()
+    }
+
+    /// What the value means: the first paragraph of its documentation, in one line, without a full
+    /// stop.
+    fn about(&self) -> String {
+        let documentation = self.get_documentation().unwrap_or_default();
+        let paragraph = documentation.split("\n\n").next().unwrap_or_default();
+        let words: Vec<&str> = paragraph.split_whitespace().collect();
+        words.join(" ").trim_end_matches('.').to_owned()
+    }
+}
+
+/// A text that is not the name of any value of an enumeration.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NameError {
+    kind: &'static str,
+    text: String,
+    names: Vec<String>,
+}
+
+impl NameError {
+    /// `text` is not the name of a `T`.
+    pub fn of<T: Named>(text: &str) -> Self {
+        Self::new(T::KIND, text, T::all().iter().map(T::name))
+    }
+
+    /// `text` is not one of `names`, which are those of every `kind`.
+    pub fn new<'n>(
+        kind: &'static str,
+        text: &str,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> Self {
+        let names = names.into_iter().map(str::to_owned).collect();
+        Self { kind, text: text.to_owned(), names }
+    }
+}
+
+impl fmt::Display for NameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, text, names } = self;
+        write!(f, "there is no {kind} '{text}'; the names are {}", names.join(", "))
+    }
+}
+
+impl std::error::Error for NameError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{BodyPart, InfluenceMode, Region, UnitOfLength, UpAxis, WeightScheme};
+    use std::collections::HashSet;
+    use std::str::FromStr;
+
+    /// Names are read back, differ, and every value is documented.
+    fn check<T>()
+    where
+        T: Named + FromStr<Err = NameError> + fmt::Display + fmt::Debug + PartialEq,
+    {
+        let mut names = HashSet::new();
+        for value in T::all() {
+            assert_eq!(value.name().parse().as_ref(), Ok(&value));
+            assert_eq!(value.to_string(), value.name());
+            assert!(names.insert(value.to_string()), "{value} is there twice");
+            assert!(!value.about().is_empty(), "{value} is not documented");
+        }
+        let error = T::from_str("no such value").expect_err("no name");
+        assert!(error.to_string().contains(T::all()[0].name()), "{error}");
+    }
+
+    #[test]
+    fn every_value_is_read_back_from_its_name() {
+        check::<WeightScheme>();
+        check::<InfluenceMode>();
+        check::<crate::params::TranslationMode>();
+        check::<UnitOfLength>();
+        check::<UpAxis>();
+        check::<BodyPart>();
+        check::<Region>();
+    }
+
+    #[test]
+    fn an_unknown_name_is_told_with_the_known_ones() {
+        let error = "loose".parse::<InfluenceMode>().expect_err("no name");
+        let told = "there is no influence mode 'loose'; the names are strict, fallback";
+        assert_eq!(error.to_string(), told);
+    }
+}

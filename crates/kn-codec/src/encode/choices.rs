@@ -1,0 +1,430 @@
+//! The encoder's own choices: what streams do not name, but every caller does. Each has a text form.
+
+use kn_bitstream::params::{BodyPart, Combination, NameError, Named};
+use std::fmt;
+use std::str::FromStr;
+use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
+
+/// A text that is not a form of a setting: its message says what the forms are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct FormError(&'static str);
+
+/// How far I-frames are decimated; P-frames then deform the coarser mesh.
+///
+/// Text forms of the first two are `5000` and `25%`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decimation {
+    /// At most so many faces, as far as topology allows.
+    Faces(u32),
+    /// At most this share of the faces, between 0 and 1.
+    Share(f64),
+    /// No vertex of the scan further than this from the coarser surface, world units.
+    Error(f64),
+}
+
+impl FromStr for Decimation {
+    type Err = FormError;
+
+    fn from_str(text: &str) -> Result<Self, FormError> {
+        let share = text.strip_suffix('%').map(|percent| percent.parse::<f64>());
+        match (share, text.parse()) {
+            (Some(Ok(percent)), _) => Ok(Self::Share(percent / 100.0)),
+            (None, Ok(faces)) => Ok(Self::Faces(faces)),
+            _ => Err(FormError("a number of faces is such as 5000, or a share such as 25%")),
+        }
+    }
+}
+
+impl fmt::Display for Decimation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Faces(faces) => write!(f, "{faces}"),
+            Self::Share(share) => write!(f, "{}%", 100.0 * share),
+            Self::Error(error) => write!(f, "error of {error}"),
+        }
+    }
+}
+
+/// Where the body parts of a frame's vertices come from.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
+#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<LabelChoice>)]
+pub enum LabelChoice {
+    /// The frames' own labels; a sequence without them is coded without.
+    Given,
+    /// The frames' own labels; where they have none, those of the segmentation
+    /// ([`kn_segment::Segmenter`]).
+    ///
+    /// Frames in which the segmentation does not find a person are coded as if they had no labels.
+    Auto,
+}
+
+impl Named for LabelChoice {
+    const KIND: &'static str = "label choice";
+
+    fn all() -> Vec<Self> {
+        Self::VARIANTS.to_vec()
+    }
+}
+
+/// Which key nodes are affine; the others are rigid.
+#[derive(Clone, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage)]
+#[strum(serialize_all = "kebab-case")]
+pub enum AffineChoice {
+    /// All nodes are rigid.
+    None,
+    /// Nodes of these body parts, by default of the torso; none where the frames have no labels.
+    Labels(Vec<BodyPart>),
+    /// Nodes whose scales and shears pay for their bytes, with labels or without.
+    ///
+    /// They lower J in the key frame of their group.
+    Cost,
+    /// All nodes are affine.
+    All,
+}
+
+impl AffineChoice {
+    /// The bi-modal paper's choice: the nodes of the torso.
+    pub fn torso() -> Self {
+        Self::Labels(vec![BodyPart::Torso])
+    }
+}
+
+impl Named for AffineChoice {
+    const KIND: &'static str = "choice of affine nodes";
+
+    fn all() -> Vec<Self> {
+        vec![Self::None, Self::torso(), Self::Cost, Self::All]
+    }
+}
+
+impl FromStr for AffineChoice {
+    type Err = NameError;
+
+    /// `labels` is [`Self::torso`].
+    fn from_str(text: &str) -> Result<Self, NameError> {
+        let found = Self::all().into_iter().find(|choice| choice.name() == text);
+        found.ok_or_else(|| NameError::of::<Self>(text))
+    }
+}
+
+/// How the components of affine nodes are chosen: a combination Ω of least J = D + λR (bi-modal
+/// paper, section on rate-distortion optimization). What is not chosen is disabled while fitting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, AsRefStr, EnumMessage)]
+#[strum(serialize_all = "kebab-case")]
+pub enum CombinationChoice {
+    /// This one in every P-frame.
+    Fixed(Combination),
+    /// By the first P-frame of each group, for the whole group: the paper's choice.
+    ///
+    /// It is chosen among the combinations with rotation: one frame does not show what the others
+    /// lose in a chain of frames (`docs/notes/choice.md`).
+    FirstP,
+    /// In every P-frame.
+    ///
+    /// It is chosen among the combinations with rotation.
+    PerFrame,
+    /// By what the whole group costs with each combination; slow.
+    ///
+    /// Each combination codes the group once, which takes eight times as long.
+    LookAhead,
+}
+
+impl Named for CombinationChoice {
+    const KIND: &'static str = "choice of combinations";
+
+    fn all() -> Vec<Self> {
+        vec![Self::FirstP, Self::PerFrame, Self::LookAhead]
+    }
+}
+
+impl fmt::Display for CombinationChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(combination) => write!(f, "{combination}"),
+            choice => f.write_str(choice.name()),
+        }
+    }
+}
+
+impl FromStr for CombinationChoice {
+    type Err = NameError;
+
+    /// The name of a choice, or of the combination that is fixed.
+    fn from_str(text: &str) -> Result<Self, NameError> {
+        let found = Self::all().into_iter().find(|choice| choice.name() == text);
+        found.or_else(|| text.parse().ok().map(Self::Fixed)).ok_or_else(|| {
+            let (choices, fixed) = (Self::all(), Combination::ALL.map(Combination::name));
+            NameError::new(Self::KIND, text, choices.iter().map(Self::name).chain(fixed))
+        })
+    }
+}
+
+impl From<Combination> for CombinationChoice {
+    fn from(combination: Combination) -> Self {
+        Self::Fixed(combination)
+    }
+}
+
+/// What D is measured by where anything is chosen by J = D + λR.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
+#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<DistortionMeasure>)]
+pub enum DistortionMeasure {
+    /// MSDM2; slow.
+    ///
+    /// It is the symmetric one: half a second for each candidate.
+    Msdm2,
+    /// Distances and normals, scaled to differ as MSDM2 does.
+    ///
+    /// They are measured between the decoded surface and the scan at some thousand points:
+    /// milliseconds for each candidate.
+    Surrogate,
+}
+
+impl Named for DistortionMeasure {
+    const KIND: &'static str = "distortion measure";
+
+    fn all() -> Vec<Self> {
+        Self::VARIANTS.to_vec()
+    }
+}
+
+/// How a quantiser step is chosen. Text forms are `auto` and a number of grid steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepChoice {
+    /// So many grid steps.
+    Fixed(f64),
+    /// In every P-frame those of translations, rotations, and scales and shears with the least J.
+    Cost,
+}
+
+impl FromStr for StepChoice {
+    type Err = FormError;
+
+    fn from_str(text: &str) -> Result<Self, FormError> {
+        match text.parse() {
+            _ if is_auto(text) => Ok(Self::Cost),
+            Ok(step) => Ok(Self::Fixed(step)),
+            Err(_) => Err(FormError("a motion step is auto or a number of grid steps")),
+        }
+    }
+}
+
+impl fmt::Display for StepChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(step) => write!(f, "{step}"),
+            Self::Cost => f.write_str(AUTO),
+        }
+    }
+}
+
+/// How many key nodes a group of frames has. Text forms are `auto` and a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeChoice {
+    /// So many, 1 to 4096.
+    Fixed(usize),
+    /// In every group as many as lower J = D + λR of its key frame by their bytes, at least one for
+    /// every region of influence and at most one for 60 vertices of the I-frame; 150, or `most` if that
+    /// is less, where they are spread evenly or no frame can be tracked.
+    Cost {
+        /// The largest number, 1 to 4096.
+        most: usize,
+    },
+}
+
+impl NodeChoice {
+    /// The largest number that a group can have.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Fixed(count) | Self::Cost { most: count } => count,
+        }
+    }
+}
+
+impl Default for NodeChoice {
+    fn default() -> Self {
+        Self::Cost { most: 512 }
+    }
+}
+
+impl From<usize> for NodeChoice {
+    fn from(count: usize) -> Self {
+        Self::Fixed(count)
+    }
+}
+
+impl FromStr for NodeChoice {
+    type Err = FormError;
+
+    fn from_str(text: &str) -> Result<Self, FormError> {
+        match text.parse() {
+            _ if is_auto(text) => Ok(Self::default()),
+            Ok(count) => Ok(Self::Fixed(count)),
+            Err(_) => Err(FormError("the number of key nodes is auto, or a number such as 150")),
+        }
+    }
+}
+
+impl fmt::Display for NodeChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(count) => write!(f, "{count}"),
+            Self::Cost { .. } => f.write_str(AUTO),
+        }
+    }
+}
+
+/// Where key nodes are put.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    AsRefStr,
+    Display,
+    EnumMessage,
+    EnumString,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
+#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<NodePlacement>)]
+pub enum NodePlacement {
+    /// Evenly over the surface of the I-frame, by farthest points.
+    Farthest,
+    /// Where the motion needs them, by distance to the scans.
+    ///
+    /// This is the key-node generator of the bi-modal paper, run on the motion to a later frame of
+    /// the group, with new nodes where the distance is largest.
+    #[default]
+    Generated,
+    /// Where the motion needs them, by MSDM2, as in the paper; slower.
+    #[strum(serialize = "msdm2")]
+    GeneratedByMsdm2,
+}
+
+impl Named for NodePlacement {
+    const KIND: &'static str = "placement of key nodes";
+
+    fn all() -> Vec<Self> {
+        Self::VARIANTS.to_vec()
+    }
+}
+
+/// How strongly I-frames are smoothed within their grid's uncertainty. Text forms are `auto` and a
+/// strength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SmoothingChoice {
+    /// As strongly as leaves the decoded surface as near to the scan, within 3 %.
+    Auto,
+    /// 0 (decoded positions are exactly the quantised ones) to 5.
+    Strength(u8),
+}
+
+impl FromStr for SmoothingChoice {
+    type Err = FormError;
+
+    fn from_str(text: &str) -> Result<Self, FormError> {
+        match text.parse() {
+            _ if is_auto(text) => Ok(Self::Auto),
+            Ok(strength) => Ok(Self::Strength(strength)),
+            Err(_) => Err(FormError("smoothing is auto or a number from 0 to 5")),
+        }
+    }
+}
+
+impl fmt::Display for SmoothingChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str(AUTO),
+            Self::Strength(strength) => write!(f, "{strength}"),
+        }
+    }
+}
+
+/// What translations are predicted from.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
+#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<TranslationChoice>)]
+pub enum TranslationChoice {
+    /// Nothing.
+    Direct,
+    /// The paper's choice: spatial in the first P-frame of a group, spatio-temporal in the others.
+    Paper,
+    /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
+    Cost,
+}
+
+impl Named for TranslationChoice {
+    const KIND: &'static str = "prediction of translations";
+
+    fn all() -> Vec<Self> {
+        Self::VARIANTS.to_vec()
+    }
+}
+
+/// The text of a choice that the encoder makes; read in any case, since help texts write it in
+/// capitals.
+const AUTO: &str = "auto";
+
+fn is_auto(text: &str) -> bool {
+    text.eq_ignore_ascii_case(AUTO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reads_what_it_prints<T>(values: impl IntoIterator<Item = T>)
+    where
+        T: FromStr<Err: fmt::Debug> + fmt::Display + fmt::Debug + PartialEq,
+    {
+        for value in values {
+            assert_eq!(value.to_string().parse::<T>().expect("a form"), value);
+        }
+    }
+
+    #[test]
+    fn choices_are_read_back_from_their_text() {
+        reads_what_it_prints(LabelChoice::all());
+        reads_what_it_prints(AffineChoice::all());
+        reads_what_it_prints(CombinationChoice::all());
+        reads_what_it_prints(Combination::ALL.map(CombinationChoice::Fixed));
+        reads_what_it_prints(DistortionMeasure::all());
+        reads_what_it_prints(NodePlacement::all());
+        reads_what_it_prints(TranslationChoice::all());
+        reads_what_it_prints([StepChoice::Cost, StepChoice::Fixed(0.5)]);
+        reads_what_it_prints([NodeChoice::default(), NodeChoice::Fixed(150)]);
+        reads_what_it_prints([SmoothingChoice::Auto, SmoothingChoice::Strength(3)]);
+        reads_what_it_prints([Decimation::Faces(5000), Decimation::Share(0.125)]);
+    }
+
+    #[test]
+    fn auto_is_read_in_any_case() {
+        assert_eq!("AUTO".parse(), Ok(NodeChoice::default()));
+        assert_eq!("Auto".parse(), Ok(SmoothingChoice::Auto));
+        assert_eq!("auto".parse(), Ok(StepChoice::Cost));
+    }
+
+    #[test]
+    fn other_texts_are_refused_with_the_forms() {
+        let message = "sometimes".parse::<CombinationChoice>().expect_err("no form").to_string();
+        assert!(message.contains("first-p") && message.contains("RTSH"), "{message}");
+        for bad in ["", "-1", "many", "1.5"] {
+            assert!(bad.parse::<NodeChoice>().is_err(), "{bad}");
+        }
+        for bad in ["", "%", "-1", "x"] {
+            assert!(bad.parse::<Decimation>().is_err(), "{bad}");
+        }
+    }
+}
