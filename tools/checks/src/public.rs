@@ -188,3 +188,38 @@ impl<'a> Listing<'a> {
 fn is_public(visibility: &Visibility) -> bool {
     matches!(visibility, Visibility::Public(_))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::list;
+    use crate::source::from_text;
+
+    #[test]
+    fn what_others_can_name_is_listed() {
+        let module = from_text(
+            "mod hidden { pub struct Shown { pub a: u8, b: u8 } impl Shown { pub fn get(&self) -> u8 { 0 } fn no() {} }
+               #[non_exhaustive] pub enum Choice { One, Two(u8) } pub struct Unseen; pub use inner::Deep;
+               mod inner { pub struct Deep; } }
+             pub mod open { pub const LIMIT: u32 = 1; pub(crate) fn internal() {} }
+             pub use hidden::{Choice as Chosen, Deep, Shown};
+             pub use other::Thing;
+             #[cfg(test)] pub mod tests { pub fn test() {} }",
+        );
+        let lines: Vec<String> = list(&module).into_iter().collect();
+        assert_eq!(
+            lines,
+            [
+                "krate: #[non_exhaustive] enum Chosen",
+                "krate: mod open",
+                "krate: struct Deep",
+                "krate: struct Shown",
+                "krate: use other::Thing",
+                "krate::Chosen: One",
+                "krate::Chosen: Two(u8)",
+                "krate::Shown: a: u8",
+                "krate::Shown: fn get(&self) -> u8",
+                "krate::open: const LIMIT: u32",
+            ]
+        );
+    }
+}

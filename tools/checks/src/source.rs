@@ -106,3 +106,10 @@ pub(crate) fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
     files.sort();
     Ok(files)
 }
+
+/// A crate called `krate` that is one text.
+#[cfg(test)]
+pub(crate) fn from_text(text: &str) -> Module {
+    let items = syn::parse_file(text).expect("Rust").items;
+    from_items(items, Path::new(""), "krate".into(), true).expect("no files")
+}

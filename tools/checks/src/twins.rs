@@ -68,3 +68,35 @@ fn alike(a: &Shape, b: &Shape) -> bool {
     let same_parts = a.is_enum == b.is_enum && common == all && all >= enough;
     same_parts || (a.name == b.name && 2 * common > all)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{alike, collect};
+    use crate::source::from_text;
+
+    /// Whether the first types of two crates are twins.
+    fn twins(a: &str, b: &str) -> bool {
+        let mut shapes = Vec::new();
+        collect(&from_text(a), "a", &mut shapes);
+        collect(&from_text(b), "b", &mut shapes);
+        alike(&shapes[0], &shapes[1])
+    }
+
+    #[test]
+    fn copies_are_found_under_other_names() {
+        assert!(twins("pub enum Mode { Near, Far }", "pub(crate) enum ModeArgument { Far, Near }"));
+        assert!(twins(
+            "pub struct P { x: u8, y: u8, z: u8 }",
+            "pub struct Q { x: u8, y: u8, z: u8 }"
+        ));
+    }
+
+    #[test]
+    fn different_types_are_none() {
+        assert!(!twins("pub enum Mode { Near, Far }", "pub enum Mode { On, Off }"));
+        assert!(!twins(
+            "pub struct P { x: u8, y: u8, z: u8 }",
+            "pub struct Q { x: f64, y: f64, z: f64 }"
+        ));
+    }
+}
