@@ -49,8 +49,17 @@ pub struct BdRate {
     pub cubic: Option<f64>,
     /// The common range of qualities over the whole range, 0..=1.
     pub overlap: f64,
-    /// Points left out because another has more quality for no more rate: (anchor, test).
-    pub dominated: (usize, usize),
+    /// Points left out because another has more quality for no more rate.
+    pub dominated: Dominated,
+}
+
+/// Numbers of points of both curves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dominated {
+    /// Of the anchor.
+    pub anchor: usize,
+    /// Of the test curve.
+    pub test: usize,
 }
 
 impl BdRate {
@@ -82,7 +91,7 @@ pub fn bd_rate(anchor: &[RatePoint], test: &[RatePoint]) -> Result<BdRate, BdErr
         pchip: per_cent(pchip),
         cubic,
         overlap: (high - low) / whole,
-        dominated: (anchor_dominated, test_dominated),
+        dominated: Dominated { anchor: anchor_dominated, test: test_dominated },
     })
 }
 
@@ -246,7 +255,7 @@ mod tests {
         let found = bd_rate(&anchor, &test).unwrap();
         assert!((found.cubic.unwrap() - -4.420463).abs() < 1e-5, "{found:?}");
         assert!((found.pchip - -4.417485).abs() < 1e-5, "{found:?}");
-        assert!(!found.overlap_is_small() && found.dominated == (0, 0));
+        assert!(!found.overlap_is_small() && found.dominated == Dominated::default());
     }
 
     #[test]
@@ -265,7 +274,7 @@ mod tests {
         let mut more = test.clone();
         more.extend(curve(&[(9000.0, 37.0), (1356.24, 34.0)]));
         let found = bd_rate(&anchor, &more).unwrap();
-        assert_eq!(found.dominated, (0, 2));
+        assert_eq!(found.dominated, Dominated { anchor: 0, test: 2 });
         assert_eq!(found.pchip, bd_rate(&anchor, &test).unwrap().pchip);
     }
 

@@ -49,24 +49,40 @@ pub struct PointCloud {
     tree: ImmutableKdTree<f64, 3>,
 }
 
-/// Mean squared distances in both directions, in squared world units.
+/// Mean squared distances of both directions, in squared world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeanSquares {
+    /// From the points of the reference.
+    pub from_reference: f64,
+    /// From the points of the other cloud.
+    pub from_other: f64,
+}
+
+impl MeanSquares {
+    /// The larger one.
+    pub fn worse(&self) -> f64 {
+        self.from_reference.max(self.from_other)
+    }
+}
+
+/// D1 and D2 between two clouds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointDistortion {
-    /// Point to point: from the reference's points, from the other's.
-    pub d1: (f64, f64),
-    /// Point to plane, likewise.
-    pub d2: (f64, f64),
+    /// Point to point.
+    pub d1: MeanSquares,
+    /// Point to plane.
+    pub d2: MeanSquares,
 }
 
 impl PointDistortion {
     /// `10·log10(3·peak² / mse)` of D1, the worse direction.
     pub fn d1_psnr(&self, peak: f64) -> f64 {
-        psnr(self.d1.0.max(self.d1.1), peak)
+        psnr(self.d1.worse(), peak)
     }
 
     /// `10·log10(3·peak² / mse)` of D2, the worse direction.
     pub fn d2_psnr(&self, peak: f64) -> f64 {
-        psnr(self.d2.0.max(self.d2.1), peak)
+        psnr(self.d2.worse(), peak)
     }
 }
 
@@ -150,11 +166,14 @@ pub fn point_distortion(reference: &PointCloud, other: &PointCloud) -> PointDist
         rayon::join(|| Neighbours::new(reference, other), || Neighbours::new(other, reference));
     let normals = inherited_normals(reference, other, &to_other, &to_reference);
     PointDistortion {
-        d1: (to_other.mean_square(), to_reference.mean_square()),
-        d2: (
-            to_other.mean_square_to_planes(reference, other, &normals),
-            to_reference.mean_square_to_planes(other, reference, &reference.normals),
-        ),
+        d1: MeanSquares {
+            from_reference: to_other.mean_square(),
+            from_other: to_reference.mean_square(),
+        },
+        d2: MeanSquares {
+            from_reference: to_other.mean_square_to_planes(reference, other, &normals),
+            from_other: to_reference.mean_square_to_planes(other, reference, &reference.normals),
+        },
     }
 }
 

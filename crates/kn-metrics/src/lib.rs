@@ -8,6 +8,7 @@
 //!
 //! | metric | entry |
 //! |---|---|
+//! | all of two meshes | [`compare()`] |
 //! | MSDM2, both directions and per vertex | [`Msdm2Surface`], [`msdm2()`] |
 //! | point to surface: RMS, mean, Hausdorff, PSNR | [`p2s()`], [`p2s_of_vertices`] |
 //! | MPEG's D1 and D2, on vertices or along a grid | [`PointCloud`], [`point_distortion`] |
@@ -15,14 +16,21 @@
 //! | exact closest points | [`TriangleTree`] |
 
 mod bjontegaard;
+mod compare;
 mod d1d2;
 mod lanes;
 mod msdm2;
 mod p2s;
+mod surface;
 mod tree;
 
-pub use bjontegaard::{BdError, BdRate, RatePoint, bd_rate};
-pub use d1d2::{Grid, PointCloud, PointDistortion, PointError, point_distortion};
+pub use bjontegaard::{BdError, BdRate, Dominated, RatePoint, bd_rate};
+pub use compare::{
+    CompareError, CompareOptions, Comparison, FaceMarks, Metric, UnknownMetric, compare,
+    compare_faces, compare_surfaces,
+};
+pub use d1d2::{Grid, MeanSquares, PointCloud, PointDistortion, PointError, point_distortion};
+pub use kn_mesh::BoundingBox;
 pub use msdm2::{
     DEFAULT_LEVELS, Interpolation, MAX_LEVELS, Msdm2, Msdm2Direction, Msdm2Error, Msdm2Surface,
     msdm2, msdm2_one_way,
@@ -30,4 +38,5 @@ pub use msdm2::{
 pub use p2s::{
     Distances, P2s, P2sError, distances_to_surface, p2s, p2s_of_vertices, sample_surface,
 };
+pub use surface::{IndexedMesh, MeshRef, Surface};
 pub use tree::{Closest, TreeError, TriangleTree};

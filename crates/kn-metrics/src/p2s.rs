@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::surface::{IndexedMesh, MeshRef};
 use crate::tree::{TreeError, TriangleTree, check};
 use kn_mesh::vec3::{Vec3, cross, mul_add, norm, sub};
 
@@ -157,19 +158,17 @@ fn sum_distances(points: &[Vec3], keep: Option<&[bool]>, surface: &TriangleTree)
 }
 
 /// Vertex-sampled distances in both directions: exact at every vertex, and the fastest way to see
-/// what an encoder's choice costs. Each mesh is given by its vertices (`#V × 3`) and its tree;
-/// `keep` restricts the vertices that are measured from, each mask for its mesh.
+/// what an encoder's choice costs.
 ///
 /// # Errors
-/// A mask of another length; no vertices.
+/// A mesh without vertices.
 pub fn p2s_of_vertices(
-    reference: (&[[f64; 3]], &TriangleTree),
-    other: (&[[f64; 3]], &TriangleTree),
-    keep: (Option<&[bool]>, Option<&[bool]>),
+    reference: IndexedMesh<'_>,
+    other: IndexedMesh<'_>,
 ) -> Result<P2s, P2sError> {
     Ok(P2s {
-        from_reference: distances_to_surface(reference.0, keep.0, other.1)?,
-        from_other: distances_to_surface(other.0, keep.1, reference.1)?,
+        from_reference: distances_to_surface(reference.mesh.positions, None, other.tree)?,
+        from_other: distances_to_surface(other.mesh.positions, None, reference.tree)?,
     })
 }
 
@@ -225,22 +224,25 @@ fn sample_in_triangle([a, b, c]: [Vec3; 3], index: usize) -> Vec3 {
 }
 
 /// `count` area-uniform samples each way and their exact closest points; the maximum also looks at
-/// all vertices. The trees are over the same meshes, given as positions `#V × 3` and faces `#F × 3`.
+/// all vertices.
 ///
 /// # Errors
 /// A mesh that cannot be used or has no area.
 pub fn p2s(
-    reference: (&[[f64; 3]], &[[u32; 3]], &TriangleTree),
-    other: (&[[f64; 3]], &[[u32; 3]], &TriangleTree),
+    reference: IndexedMesh<'_>,
+    other: IndexedMesh<'_>,
     count: usize,
 ) -> Result<P2s, P2sError> {
-    let from = |mesh: (&[Vec3], &[[u32; 3]], &TriangleTree), surface: &TriangleTree| {
-        let samples = sample_surface(mesh.0, mesh.1, None, count)?;
+    let from = |mesh: MeshRef<'_>, surface: &TriangleTree| {
+        let samples = sample_surface(mesh.positions, mesh.faces, None, count)?;
         let inside = distances_to_surface(&samples, None, surface)?;
-        let corners = distances_to_surface(mesh.0, None, surface)?;
+        let corners = distances_to_surface(mesh.positions, None, surface)?;
         Ok::<_, P2sError>(Distances { max: inside.max.max(corners.max), ..inside })
     };
-    Ok(P2s { from_reference: from(reference, other.2)?, from_other: from(other, reference.2)? })
+    Ok(P2s {
+        from_reference: from(reference.mesh, other.tree)?,
+        from_other: from(other.mesh, reference.tree)?,
+    })
 }
 
 fn check_mask(keep: Option<&[bool]>, expected: usize) -> Result<(), P2sError> {
@@ -266,21 +268,26 @@ mod tests {
         TriangleTree::new(positions, faces).unwrap()
     }
 
+    fn indexed<'m>(
+        (positions, faces): &'m (Vec<Vec3>, Vec<[u32; 3]>),
+        tree: &'m TriangleTree,
+    ) -> IndexedMesh<'m> {
+        IndexedMesh::new(MeshRef::new(positions, faces), tree)
+    }
+
     #[test]
     fn parallel_squares_are_their_distance_apart() {
         let (a, b) = (square(0.0), square(0.25));
         let (tree_a, tree_b) = (tree(&a), tree(&b));
-        let found = p2s((&a.0, &a.1, &tree_a), (&b.0, &b.1, &tree_b), 1000).unwrap();
+        let (side_a, side_b) = (indexed(&a, &tree_a), indexed(&b, &tree_b));
+        let found = p2s(side_a, side_b, 1000).unwrap();
         for value in [found.rms(), found.mean(), found.hausdorff()] {
             assert!((value - 0.25).abs() < 1e-15);
         }
         assert!((found.psnr(1.0) - 10.0 * 48f64.log10()).abs() < 1e-12);
-        let vertices = p2s_of_vertices((&a.0, &tree_a), (&b.0, &tree_b), (None, None)).unwrap();
+        let vertices = p2s_of_vertices(side_a, side_b).unwrap();
         assert_eq!((vertices.rms(), vertices.from_other.count), (0.25, 4));
-        assert_eq!(
-            p2s((&a.0, &a.1, &tree_a), (&a.0, &a.1, &tree_a), 9).unwrap().psnr(1.0),
-            f64::INFINITY
-        );
+        assert_eq!(p2s(side_a, side_a, 9).unwrap().psnr(1.0), f64::INFINITY);
     }
 
     #[test]

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use kn_metrics::{
-    DEFAULT_LEVELS, Interpolation, Msdm2, Msdm2Surface, PointCloud, TriangleTree, msdm2, p2s,
-    point_distortion,
+    DEFAULT_LEVELS, IndexedMesh, Interpolation, MeshRef, Msdm2, Msdm2Surface, PointCloud,
+    TriangleTree, msdm2, p2s, point_distortion,
 };
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
@@ -160,10 +160,10 @@ fn point_metrics_give_the_oracle_values() {
         let [cloud_a, cloud_b] = scaled(&a, &b);
         let found = point_distortion(&cloud_a, &cloud_b);
         for (column, found, tolerance) in [
-            ("v_D1_mse_A", found.d1.0, 1e-5),
-            ("v_D1_mse_B", found.d1.1, 1e-5),
-            ("v_D2_mse_A", found.d2.0, 1e-5),
-            ("v_D2_mse_B", found.d2.1, 1e-5),
+            ("v_D1_mse_A", found.d1.from_reference, 1e-5),
+            ("v_D1_mse_B", found.d1.from_other, 1e-5),
+            ("v_D2_mse_A", found.d2.from_reference, 1e-5),
+            ("v_D2_mse_B", found.d2.from_other, 1e-5),
             ("v_D1_psnr", found.d1_psnr(1023.0), 1e-5),
             ("v_D2_psnr", found.d2_psnr(1023.0), 1e-5),
         ] {
@@ -175,7 +175,9 @@ fn point_metrics_give_the_oracle_values() {
             }
         }
         let [tree_a, tree_b] = [&a, &b].map(|m| TriangleTree::new(&m.0, &m.1).unwrap());
-        let found = p2s((&a.0, &a.1, &tree_a), (&b.0, &b.1, &tree_b), 100_000).unwrap();
+        let side_a = IndexedMesh::new(MeshRef::new(&a.0, &a.1), &tree_a);
+        let side_b = IndexedMesh::new(MeshRef::new(&b.0, &b.1), &tree_b);
+        let found = p2s(side_a, side_b, 100_000).unwrap();
         for (column, found, tolerance) in [
             ("surf_rms_AtoB", found.from_reference.rms(), 0.03),
             ("surf_rms_BtoA", found.from_other.rms(), 0.03),

@@ -26,7 +26,8 @@ fn d2_sees_only_the_way_along_the_normal() {
     let moved: Vec<Vec3> = positions.iter().map(|p| [p[0] + 1.0, p[1], p[2] + 0.5]).collect();
     let moved = PointCloud::from_vertices(&moved, &faces).unwrap();
     let found = point_distortion(&cloud, &moved);
-    assert_eq!((found.d1, found.d2), ((1.25, 1.25), (0.25, 0.25)));
+    let both = |mean| MeanSquares { from_reference: mean, from_other: mean };
+    assert_eq!((found.d1, found.d2), (both(1.25), both(0.25)));
     assert!((found.d1_psnr(8.0) - 10.0 * (192f64 / 1.25).log10()).abs() < 1e-12);
     assert_eq!(point_distortion(&cloud, &cloud).d2_psnr(8.0), f64::INFINITY);
 }
@@ -42,11 +43,11 @@ fn equally_near_points_count_with_their_mean() {
     ])
     .unwrap();
     let found = point_distortion(&two, &one);
-    assert_eq!((found.d1.1, found.d2.1), (1.0, 0.5));
+    assert_eq!((found.d1.from_other, found.d2.from_other), (1.0, 0.5));
     // The one point inherits the mean of all three normals.
     let third = 1.0 / 3.0f64;
     let expected = (2.0 * third.powi(2) + (7.0 * third).powi(2)) / 3.0;
-    assert!((found.d2.0 - expected).abs() < 1e-12 && found.d1.0 == 17.0);
+    assert!((found.d2.from_reference - expected).abs() < 1e-12 && found.d1.from_reference == 17.0);
 }
 
 #[test]
@@ -89,5 +90,6 @@ fn isolated_vertices_are_measured() {
     let [a, b] = [&triangle[..], &far].map(|p| PointCloud::from_vertices(p, &[[0, 1, 2]]).unwrap());
     assert_eq!((a.len(), b.len()), (3, 4));
     // The farther point is three away from its nearest, the other three are nowhere apart.
-    assert_eq!(point_distortion(&a, &b).d1, (0.0, 9.0 / 4.0));
+    let expected = MeanSquares { from_reference: 0.0, from_other: 9.0 / 4.0 };
+    assert_eq!(point_distortion(&a, &b).d1, expected);
 }

@@ -1,0 +1,190 @@
+//! All metrics of two meshes in one call.
+
+use kn_mesh::BoundingBox;
+
+use crate::d1d2::{Grid, PointCloud, PointError, point_distortion};
+use crate::msdm2::{Interpolation, Msdm2Error, msdm2};
+use crate::p2s::{P2s, P2sError, distances_to_surface, p2s, sample_surface};
+use crate::surface::{MeshRef, Surface};
+use crate::tree::TreeError;
+
+mod result;
+#[cfg(feature = "serde")]
+mod serial;
+
+pub use result::{Comparison, Metric, UnknownMetric};
+
+/// Why two meshes cannot be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// A mesh without faces, or with indices or coordinates that cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] TreeError),
+    /// Point-to-surface distances cannot be measured.
+    #[error("point to surface: {0}")]
+    Distance(#[from] P2sError),
+    /// MSDM2 cannot be computed.
+    #[error("MSDM2: {0}")]
+    Msdm2(#[from] Msdm2Error),
+    /// D1 and D2 cannot be computed.
+    #[error("D1 and D2: {0}")]
+    Points(#[from] PointError),
+    /// The box that relative distances refer to has no extent.
+    #[error("all vertices of the reference are at one point: relative distances need a box")]
+    NoExtent,
+    /// MSDM2 was asked for of a surface that was prepared without it.
+    #[error("MSDM2: a surface was prepared without it")]
+    NotPrepared,
+}
+
+/// Which metrics are computed, and by how many samples.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CompareOptions {
+    /// The box that relative distances (its diagonal) and decibels (its longest side) refer to. For
+    /// a sequence it is the box of the whole reference. `None` is the box of the reference mesh.
+    pub bounds: Option<BoundingBox>,
+    /// Area-uniform samples on each surface for point-to-surface distances.
+    pub samples: usize,
+    /// Whether MSDM2 is computed, in both directions.
+    pub msdm2: bool,
+    /// Whether MSDM2 is also computed with the curvature at the closest points, which does not
+    /// depend on the order of faces. Nothing happens without `msdm2`.
+    pub projected: bool,
+    /// Lines of the grid along the longest side of the box, on which D1 and D2 sample the surfaces;
+    /// `None` leaves D1 and D2 out.
+    pub grid: Option<usize>,
+}
+
+/// MPEG's common test conditions.
+const GRID_LINES: usize = 1024;
+
+impl CompareOptions {
+    /// Point-to-surface distances only.
+    pub fn distances() -> Self {
+        Self { bounds: None, samples: 100_000, msdm2: false, projected: false, grid: None }
+    }
+
+    /// Point-to-surface distances and MSDM2.
+    pub fn perceptual() -> Self {
+        Self { msdm2: true, ..Self::distances() }
+    }
+
+    /// The same metrics relative to this box.
+    pub fn with_bounds(self, bounds: BoundingBox) -> Self {
+        Self { bounds: Some(bounds), ..self }
+    }
+}
+
+impl Default for CompareOptions {
+    /// All metrics.
+    fn default() -> Self {
+        Self { projected: true, grid: Some(GRID_LINES), ..Self::perceptual() }
+    }
+}
+
+/// Measures `distorted` against `reference`, with the metrics that `options` name.
+///
+/// # Errors
+/// A mesh that cannot be used: without faces or area, with a face that names no vertex, or with
+/// coordinates that are not finite.
+pub fn compare(
+    reference: MeshRef<'_>,
+    distorted: MeshRef<'_>,
+    options: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    let (reference, distorted) =
+        rayon::join(|| Surface::new(reference, options), || Surface::new(distorted, options));
+    compare_surfaces(&reference?, &distorted?, options)
+}
+
+/// The same of surfaces that are prepared already, with these options or with options that name more.
+///
+/// # Errors
+/// As for [`compare`]; MSDM2 of a surface that was prepared without it.
+pub fn compare_surfaces(
+    reference: &Surface,
+    distorted: &Surface,
+    options: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    let bounds = bounds_of(reference, options)?;
+    let mut comparison = Comparison::default();
+    let distance = p2s(reference.indexed(), distorted.indexed(), options.samples)?;
+    comparison.set_distance(&distance, &bounds);
+    if options.msdm2 {
+        set_msdm2(&mut comparison, reference, distorted, options.projected)?;
+    }
+    if let Some(lines) = options.grid {
+        let grid = Grid::new(bounds.min, bounds.max, lines)?;
+        let cloud = |surface: &Surface| {
+            PointCloud::from_grid(surface.mesh().positions, surface.mesh().faces, &grid)
+        };
+        let points = point_distortion(&cloud(reference)?, &cloud(distorted)?);
+        comparison.set(Metric::D1Psnr, points.d1_psnr(bounds.longest_side()));
+        comparison.set(Metric::D2Psnr, points.d2_psnr(bounds.longest_side()));
+    }
+    Ok(comparison)
+}
+
+/// Marked faces of both surfaces, such as those of a body part.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceMarks<'m> {
+    /// `#F` of the reference.
+    pub reference: &'m [bool],
+    /// `#F` of the distorted surface.
+    pub distorted: &'m [bool],
+}
+
+/// Point-to-surface distances of marked faces: samples of the marked faces of either side against the
+/// whole other surface. The other metrics are those of whole meshes and are left out.
+///
+/// # Errors
+/// As for [`compare`]; marks that are not one per face; no marked face with area.
+pub fn compare_faces(
+    reference: &Surface,
+    distorted: &Surface,
+    marks: FaceMarks<'_>,
+    options: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    let bounds = bounds_of(reference, options)?;
+    let distances = |from: &Surface, marks: &[bool], to: &Surface| {
+        let mesh = from.mesh();
+        let points = sample_surface(mesh.positions, mesh.faces, Some(marks), options.samples)?;
+        distances_to_surface(&points, None, to.tree())
+    };
+    let distance = P2s {
+        from_reference: distances(reference, marks.reference, distorted)?,
+        from_other: distances(distorted, marks.distorted, reference)?,
+    };
+    let mut comparison = Comparison::default();
+    comparison.set_distance(&distance, &bounds);
+    Ok(comparison)
+}
+
+fn bounds_of(reference: &Surface, options: &CompareOptions) -> Result<BoundingBox, CompareError> {
+    let bounds = options.bounds.or_else(|| reference.mesh().bounding_box());
+    bounds.filter(|bounds| bounds.diagonal() > 0.0).ok_or(CompareError::NoExtent)
+}
+
+fn set_msdm2(
+    comparison: &mut Comparison,
+    reference: &Surface,
+    distorted: &Surface,
+    projected: bool,
+) -> Result<(), CompareError> {
+    let both = reference.perceptual().zip(distorted.perceptual());
+    let (reference, distorted) = both.ok_or(CompareError::NotPrepared)?;
+    let plain = msdm2(reference, distorted, Interpolation::AtVertex);
+    comparison.set(Metric::Msdm2, plain.symmetric);
+    comparison.set(Metric::Msdm2Forward, plain.forward.score);
+    comparison.set(Metric::Msdm2Backward, plain.backward.score);
+    if projected {
+        let projected = msdm2(reference, distorted, Interpolation::Projected);
+        comparison.set(Metric::Msdm2Projected, projected.symmetric);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
