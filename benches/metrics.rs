@@ -7,8 +7,8 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use kn_metrics::{
-    DEFAULT_LEVELS, Grid, Interpolation, Msdm2Surface, PointCloud, TriangleTree, msdm2,
-    p2s_of_vertices, point_distortion,
+    DEFAULT_LEVELS, Grid, IndexedMesh, Interpolation, MeshRef, Msdm2Surface, PointCloud,
+    TriangleTree, msdm2, p2s_of_vertices, point_distortion,
 };
 
 use kn_lab::ring::{Shape, pair};
@@ -35,7 +35,9 @@ fn growth(c: &mut Criterion) {
         });
         let trees = [&a, &b].map(|m| TriangleTree::new(&m.0, &m.1).expect("a valid mesh"));
         group.bench_with_input(BenchmarkId::new("p2s", vertices), &vertices, |bench, _| {
-            bench.iter(|| p2s_of_vertices((&a.0, &trees[0]), (&b.0, &trees[1]), (None, None)));
+            let first = IndexedMesh::new(MeshRef::new(&a.0, &a.1), &trees[0]);
+            let second = IndexedMesh::new(MeshRef::new(&b.0, &b.1), &trees[1]);
+            bench.iter(|| p2s_of_vertices(first, second));
         });
     }
     group.finish();

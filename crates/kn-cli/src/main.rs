@@ -3,7 +3,6 @@
 mod arguments;
 mod choices;
 mod commands;
-mod distortion;
 mod heatmap;
 mod interrupt;
 mod nearest;
@@ -12,8 +11,6 @@ mod outputs;
 mod parts;
 mod picture;
 mod progress;
-mod scans;
-mod sequence;
 mod settings;
 mod specification;
 mod stream;

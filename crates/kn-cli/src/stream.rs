@@ -8,8 +8,8 @@ use kn_codec::{
     DecodeError, DecodeErrorKind, Decoder, FrameInfo, FrameKind, Limits, Progress, StreamDecoder,
 };
 use kn_mesh::Mesh;
-use std::fs::File;
-use std::io::{self, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom};
+use kn_sequence::{Sequence, SequenceOptions, StreamReader, StreamSource};
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 /// The longest stream that is taken from standard input.
@@ -18,66 +18,41 @@ const MAX_STDIN_BYTES: u64 = 1 << 32;
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Bytes of a stream. Standard input is read whole, so that every command can seek.
-#[derive(Debug)]
-pub(crate) enum Source {
-    File(BufReader<File>),
-    Memory(Cursor<Vec<u8>>),
-}
-
-impl Source {
-    /// Opens a file, or standard input for `-`.
-    pub(crate) fn open(path: &Path) -> Result<Self> {
-        if is_dash(path) {
-            let mut bytes = Vec::new();
-            let mut input = io::stdin().lock().take(MAX_STDIN_BYTES + 1);
-            input.read_to_end(&mut bytes).context("standard input")?;
-            let fits = bytes.len() as u64 <= MAX_STDIN_BYTES;
-            ensure!(fits, "standard input: more than {MAX_STDIN_BYTES} bytes");
-            return Ok(Self::Memory(Cursor::new(bytes)));
-        }
-        let file = File::open(path).with_context(|| name_of(path))?;
-        Ok(Self::File(BufReader::new(file)))
-    }
-
-    /// Number of bytes.
-    pub(crate) fn size(&self) -> io::Result<u64> {
-        match self {
-            Self::File(file) => Ok(file.get_ref().metadata()?.len()),
-            Self::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
-        }
-    }
-}
-
-impl Read for Source {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::File(file) => file.read(buffer),
-            Self::Memory(bytes) => bytes.read(buffer),
-        }
-    }
-}
-
-impl Seek for Source {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match self {
-            Self::File(file) => file.seek(to),
-            Self::Memory(bytes) => bytes.seek(to),
-        }
-    }
-}
-
 /// How a stream is called in messages.
 pub(crate) fn name_of(path: &Path) -> String {
     if is_dash(path) { "standard input".into() } else { path.display().to_string() }
 }
 
-/// A decoder over a file or standard input, which compares frames with the digests that they carry:
-/// what is taken for the encoder's frames shall be that.
-pub(crate) fn open(path: &Path) -> Result<Decoder<Source>> {
-    let mut decoder = Decoder::new(Source::open(path)?).with_context(|| name_of(path))?;
-    decoder.check_digests(true);
-    Ok(decoder)
+/// The stream that a path names; `-` is standard input, which is read whole, so that every command
+/// can seek.
+pub(crate) fn source(path: &Path) -> Result<StreamSource> {
+    if !is_dash(path) {
+        return Ok(StreamSource::File(path.to_owned()));
+    }
+    let mut bytes = Vec::new();
+    let mut input = io::stdin().lock().take(MAX_STDIN_BYTES + 1);
+    input.read_to_end(&mut bytes).context("standard input")?;
+    let fits = bytes.len() as u64 <= MAX_STDIN_BYTES;
+    ensure!(fits, "standard input: more than {MAX_STDIN_BYTES} bytes");
+    Ok(StreamSource::Memory { name: name_of(path), bytes: bytes.into() })
+}
+
+/// Opens the stream that a path names.
+pub(crate) fn open(path: &Path) -> Result<StreamReader> {
+    Ok(source(path)?.reader()?)
+}
+
+/// A decoder over the stream that a path names; it checks digests.
+pub(crate) fn decoder(path: &Path) -> Result<Decoder<StreamReader>> {
+    Ok(source(path)?.decoder()?)
+}
+
+/// A sequence of meshes; `-` is a stream from standard input.
+pub(crate) fn sequence(path: &Path, options: &SequenceOptions) -> Result<Sequence> {
+    if is_dash(path) {
+        return Ok(source(path)?.into());
+    }
+    Ok(Sequence::open(path, options)?)
 }
 
 /// Whether a path means a .knm stream; anything else is a mesh or a pattern of meshes.
@@ -87,7 +62,7 @@ pub(crate) fn is_stream(path: &Path) -> bool {
 
 /// Decodes a whole stream: `trace` sees every syntax element, `seen` every frame.
 pub(crate) fn decode_traced(
-    source: &mut Source,
+    source: &mut StreamReader,
     check_digests: bool,
     trace: &mut Trace<'_>,
     mut seen: impl FnMut(FrameInfo),
@@ -114,7 +89,7 @@ pub(crate) fn decode_traced(
     }
 }
 
-fn read_some(source: &mut Source, chunk: &mut [u8]) -> io::Result<usize> {
+fn read_some(source: &mut StreamReader, chunk: &mut [u8]) -> io::Result<usize> {
     loop {
         match source.read(chunk) {
             Err(error) if error.kind() == ErrorKind::Interrupted => {}

@@ -22,10 +22,10 @@ pub enum CompareError {
     #[error(transparent)]
     Mesh(#[from] TreeError),
     /// Point-to-surface distances cannot be measured.
-    #[error("point to surface: {0}")]
+    #[error(transparent)]
     Distance(#[from] P2sError),
     /// MSDM2 cannot be computed.
-    #[error("MSDM2: {0}")]
+    #[error(transparent)]
     Msdm2(#[from] Msdm2Error),
     /// D1 and D2 cannot be computed.
     #[error("D1 and D2: {0}")]

@@ -1,6 +1,6 @@
 //! Meshes as the metrics take them: borrowed, with a tree over the faces, or fully prepared.
 
-use kn_mesh::{BoundingBox, TriangleMesh};
+use kn_mesh::{BoundingBox, Mesh, TriangleMesh};
 
 use crate::compare::{CompareError, CompareOptions};
 use crate::msdm2::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
@@ -83,6 +83,14 @@ impl Surface {
             Prepared::Distance(TriangleTree::new(mesh.positions, mesh.faces)?)
         };
         Ok(Self { positions: mesh.positions.to_vec(), faces: mesh.faces.to_vec(), prepared })
+    }
+
+    /// Prepares a mesh with coordinates in binary32.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn of_mesh(mesh: &Mesh, options: &CompareOptions) -> Result<Self, CompareError> {
+        Self::new(MeshRef::new(&mesh.positions_f64(), &mesh.faces), options)
     }
 
     /// The mesh.

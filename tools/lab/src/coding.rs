@@ -3,7 +3,7 @@
 use anyhow::Result;
 use kn_codec::{Decoder, Encoder, EncoderConfig, StepChoice};
 use kn_mesh::Mesh;
-use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, P2s, TriangleTree, msdm2, p2s};
+use kn_metrics::{CompareOptions, Interpolation, P2s, msdm2, p2s};
 use std::io::Cursor;
 
 /// Settings in which nothing is chosen by cost, so that rows differ in what they name alone.
@@ -31,36 +31,22 @@ pub(crate) fn code(frames: &[Mesh], config: EncoderConfig) -> Result<(u64, Vec<M
     Ok((finished.summary.predicted_bytes, decoded))
 }
 
-/// A mesh with what its distortion is measured on.
-pub(crate) struct Surface {
-    positions: Vec<[f64; 3]>,
-    faces: Vec<[u32; 3]>,
-    tree: TriangleTree,
-    perceptual: Msdm2Surface,
-}
+/// A mesh prepared for measuring.
+pub(crate) struct Surface(kn_metrics::Surface);
 
 impl Surface {
     pub(crate) fn new(mesh: &Mesh) -> Result<Self> {
-        let (positions, faces) = (mesh.positions_f64(), mesh.faces.clone());
-        Ok(Self {
-            tree: TriangleTree::new(&positions, &faces)?,
-            perceptual: Msdm2Surface::new(&positions, &faces, DEFAULT_LEVELS)?,
-            positions,
-            faces,
-        })
+        Ok(Self(kn_metrics::Surface::of_mesh(mesh, &CompareOptions::perceptual())?))
     }
 
     /// Distances between two surfaces, with so many area-uniform samples on each.
     pub(crate) fn distance(&self, other: &Self, samples: usize) -> Result<P2s> {
-        Ok(p2s(self.side(), other.side(), samples)?)
+        Ok(p2s(self.0.indexed(), other.0.indexed(), samples)?)
     }
 
-    /// Symmetric MSDM2.
+    /// Symmetric MSDM2; no number where a surface was prepared without it, which none is.
     pub(crate) fn msdm2(&self, other: &Self) -> f64 {
-        msdm2(&self.perceptual, &other.perceptual, Interpolation::AtVertex).symmetric
-    }
-
-    fn side(&self) -> (&[[f64; 3]], &[[u32; 3]], &TriangleTree) {
-        (&self.positions, &self.faces, &self.tree)
+        let both = self.0.perceptual().zip(other.0.perceptual());
+        both.map_or(f64::NAN, |(a, b)| msdm2(a, b, Interpolation::AtVertex).symmetric)
     }
 }

@@ -5,7 +5,8 @@ use crate::clock::cpu_seconds;
 use anyhow::Result;
 use kn_lab::ring::{Shape, pair};
 use kn_metrics::{
-    DEFAULT_LEVELS, Interpolation, Msdm2Surface, TriangleTree, msdm2, p2s_of_vertices,
+    DEFAULT_LEVELS, IndexedMesh, Interpolation, MeshRef, Msdm2Surface, TriangleTree, msdm2,
+    p2s_of_vertices,
 };
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -47,7 +48,9 @@ fn measure(vertices: usize) -> Result<[f64; 3]> {
     })?;
     let tree = least(|| Ok(TriangleTree::new(&b.0, &b.1)?))?;
     let trees = (TriangleTree::new(&a.0, &a.1)?, TriangleTree::new(&b.0, &b.1)?);
-    let p2s = least(|| Ok(p2s_of_vertices((&a.0, &trees.0), (&b.0, &trees.1), (None, None))))?;
+    let first = IndexedMesh::new(MeshRef::new(&a.0, &a.1), &trees.0);
+    let second = IndexedMesh::new(MeshRef::new(&b.0, &b.1), &trees.1);
+    let p2s = least(|| Ok(p2s_of_vertices(first, second)))?;
     Ok([score, tree, p2s])
 }
 

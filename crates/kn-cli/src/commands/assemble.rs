@@ -4,7 +4,7 @@ use crate::Outcome;
 use crate::output::write_file;
 use crate::outputs::Outputs;
 use crate::specification;
-use crate::stream::{self, Source};
+use crate::stream;
 use anyhow::{Context, Result};
 use kn_conform::node_labels;
 use std::io::Read;
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &AssembleArguments) -> Result<Outcome> {
     Outputs::beside([arguments.input.as_path()]).file("--output", &arguments.output)?;
     let spec = specification::load(&arguments.spec)?;
     let mut input = Vec::new();
-    let mut source = Source::open(&arguments.input)?;
+    let mut source = stream::open(&arguments.input)?;
     source.read_to_end(&mut input).with_context(|| name.clone())?;
     let output = if arguments.reverse {
         spec.disassemble(&input, &node_labels).with_context(|| name)?.into_bytes()

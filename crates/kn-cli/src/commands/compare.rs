@@ -3,17 +3,18 @@
 mod output;
 
 use crate::arguments::{FrameRange, Global};
-use crate::distortion::{self, Measures, Scale, Surface};
 use crate::output::{is_dash, print, print_json, write_file};
 use crate::outputs::Outputs;
-use crate::sequence::{Frame, Reader, Sequence};
-use crate::table::counted;
 use crate::{Outcome, heatmap, progress, stream};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, ensure};
 use kn_io::{check_scalar_format, write_mesh_with_scalar};
+use kn_mesh::Mesh;
 use kn_mesh::parts::PART_NAMES;
-use kn_mesh::{BoundingBox, Mesh};
-use output::{Comparison, FrameRow};
+use kn_sequence::{
+    CompareOptions, CompareSequences, MeasuredPair, Sequence, SequenceOptions,
+    compare_sequences_with,
+};
+use output::Report;
 use std::path::PathBuf;
 
 /// Measure the distortion between two meshes or sequences
@@ -92,129 +93,73 @@ fn part_of_name(text: &str) -> Result<u8, String> {
         .ok_or_else(|| format!("the parts are 0 to 14 or {}", PART_NAMES.join(", ")))
 }
 
-/// `#F` marks: the faces with all corners in the part.
-fn faces_of(frame: &Frame, part: u8) -> Result<Vec<bool>> {
-    let labels = &frame.mesh.labels;
-    if labels.is_empty() {
-        bail!("{}: frame {}: the mesh has no labels", frame.file, frame.index);
-    }
-    let inside = |face: &[u32; 3]| face.iter().all(|&vertex| labels[vertex as usize] == part);
-    let marks: Vec<bool> = frame.mesh.faces.iter().map(inside).collect();
-    if !marks.contains(&true) {
-        let name = PART_NAMES[usize::from(part)];
-        bail!("{}: frame {}: no face belongs to the part {name}", frame.file, frame.index);
-    }
-    Ok(marks)
-}
-
 /// Runs the command.
 pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outcome> {
-    let streams = [&arguments.reference, &arguments.other].map(|path| stream::is_stream(path));
-    let clean = arguments.clean || streams[0] != streams[1];
-    let (labelled, labels) = (arguments.part.is_some(), arguments.labels.as_deref());
-    let reference = Sequence::open(&arguments.reference, clean, labelled, labels)?;
-    let other = Sequence::open(&arguments.other, clean, labelled, None)?;
-    arguments.check_outputs(&reference, &other)?;
-    let bounds = reference.bounds()?;
-    let (comparison, drawn) = arguments.measure(&reference, &other, &bounds, global)?;
+    arguments.check_local()?;
+    let (reference, distorted) = arguments.open()?;
+    arguments.check_outputs(&reference, &distorted)?;
+    let bar = progress::bar(global, "measuring", None);
+    let mut drawn = None;
+    let measured = compare_sequences_with(&reference, &distorted, &arguments.options(), |pair| {
+        drawn.get_or_insert_with(|| arguments.draw(&pair));
+        bar.step();
+    });
+    drop(bar);
+    let comparison = Report::new(measured?);
     arguments.print(&comparison)?;
-    arguments.write(&comparison, drawn)?;
+    arguments.write(&comparison, drawn.transpose()?.unwrap_or_default())?;
     Ok(Outcome::Good)
 }
 
 impl CompareArguments {
-    fn measure(
-        &self,
-        reference: &Sequence,
-        other: &Sequence,
-        bounds: &BoundingBox,
-        global: &Global,
-    ) -> Result<(Comparison, Drawn)> {
-        let scale = Scale::from(*bounds);
-        let fast = self.fast || self.part.is_some();
-        let measures = if fast { Measures::DISTANCE } else { Measures::ALL };
-        let bar = progress::bar(global, "measuring", None);
-        let (mut left, mut right) = (reference.reader()?, other.reader()?);
-        let (mut frames, mut drawn) = (Vec::new(), Drawn::default());
-        let mut count = 0;
-        while let Some((a, b)) = self.next_pair(&mut left, &mut right)? {
-            let index = a.index;
-            count = index + 1;
-            if self.frames.contains(index) {
-                let first = frames.is_empty().then_some(&mut drawn);
-                frames.push(self.measure_pair(&a, &b, first, measures, &scale)?);
-                bar.step();
-            }
-            if index >= self.frames.last() {
-                break;
-            }
-        }
-        let comparison = Comparison::new(frames, &scale).with_context(|| {
-            let [reference, other] = self.names();
-            let (asked, there) = (self.frames.first(), counted(count, "frame"));
-            format!("there is no frame {asked} to measure: {reference} and {other} have {there}")
-        })?;
-        Ok((comparison, drawn))
-    }
-
-    fn names(&self) -> [String; 2] {
-        [&self.reference, &self.other].map(|path| stream::name_of(path))
-    }
-
-    fn measure_pair(
-        &self,
-        a: &Frame,
-        b: &Frame,
-        first: Option<&mut Drawn>,
-        measures: Measures,
-        scale: &Scale,
-    ) -> Result<FrameRow> {
-        let surfaces = (surface(a, measures)?, surface(b, measures)?);
-        if let Some(drawn) = first {
-            *drawn = self.draw((a, &surfaces.0), (b, &surfaces.1))?;
-        }
-        let distortion = match self.part {
-            None => distortion::measure(&surfaces.0, &surfaces.1, scale, measures),
-            Some(part) => {
-                let parts = [faces_of(a, part)?, faces_of(b, part)?];
-                let parts = [&parts[0][..], &parts[1][..]];
-                distortion::measure_part(&surfaces.0, &surfaces.1, parts, scale)
-            }
+    /// Both sides; meshes are welded where the other side is a stream, which holds welded meshes.
+    fn open(&self) -> Result<(Sequence, Sequence)> {
+        let streams = [&self.reference, &self.other].map(|path| stream::is_stream(path));
+        let clean = self.clean || streams[0] != streams[1];
+        let options = if clean { SequenceOptions::cleaned() } else { SequenceOptions::default() };
+        let labelled = |labels: Option<&PathBuf>| match self.part {
+            Some(_) => options.clone().with_labels(labels.cloned()),
+            None => options.clone(),
         };
-        let distortion = distortion.with_context(|| format!("{}: frame {}", b.file, b.index))?;
-        Ok(FrameRow::new(b, distortion))
+        let reference = stream::sequence(&self.reference, &labelled(self.labels.as_ref()))?;
+        Ok((reference, stream::sequence(&self.other, &labelled(None))?))
     }
 
-    /// The next frame of both sides; sequences of different length are an error.
-    fn next_pair(&self, left: &mut Reader, right: &mut Reader) -> Result<Option<(Frame, Frame)>> {
-        let [reference, other] = self.names();
-        let (short, long, index) = match (left.next_frame()?, right.next_frame()?) {
-            (Some(a), Some(b)) => return Ok(Some((a, b))),
-            (None, None) => return Ok(None),
-            (Some(a), None) => (other, reference, a.index),
-            (None, Some(b)) => (reference, other, b.index),
-        };
-        bail!("{short}: frame {index}: there is no such frame, but {long} has it")
+    fn options(&self) -> CompareSequences {
+        let mut options = CompareSequences::default();
+        if self.is_fast() {
+            options.metrics = CompareOptions::distances();
+        }
+        options.frames = self.frames.first()..=self.frames.last();
+        options.part = self.part;
+        options
+    }
+
+    fn is_fast(&self) -> bool {
+        self.fast || self.part.is_some()
+    }
+
+    fn check_local(&self) -> Result<()> {
+        let draws = self.heatmap.is_some() || self.values.is_some();
+        let lacks = draws && self.local == LocalError::Msdm2 && self.is_fast();
+        ensure!(!lacks, "--local msdm2 needs MSDM2: no --fast and no --part");
+        Ok(())
     }
 
     /// The picture and the values per vertex, where asked for.
-    fn draw(
-        &self,
-        (a, surface_a): (&Frame, &Surface),
-        (b, surface_b): (&Frame, &Surface),
-    ) -> Result<Drawn> {
+    fn draw(&self, pair: &MeasuredPair<'_>) -> Result<Drawn> {
         let mut drawn = Drawn::default();
         if self.heatmap.is_none() && self.values.is_none() {
             return Ok(drawn);
         }
+        let (a, b) = (pair.reference_surface, pair.distorted_surface);
         let [on_a, on_b] = match self.local {
-            LocalError::Distance => {
-                [surface_b.distances_of(surface_a), surface_a.distances_of(surface_b)]
-            }
+            LocalError::Distance => [a.vertex_distances(b), b.vertex_distances(a)],
             LocalError::Msdm2 => {
-                surface_a.local_msdm2(surface_b).context("--local msdm2 needs MSDM2: no --fast")?
+                [a.vertex_msdm2(b), b.vertex_msdm2(a)].map(Option::unwrap_or_default)
             }
         };
+        let (a, b) = (pair.reference, pair.distorted);
         if self.heatmap.is_some() {
             let what = match self.local {
                 LocalError::Distance => "distance between the surfaces",
@@ -232,8 +177,8 @@ impl CompareArguments {
     }
 
     /// Before any work.
-    fn check_outputs(&self, reference: &Sequence, other: &Sequence) -> Result<()> {
-        let mut outputs = Outputs::beside(reference.files().chain(other.files()));
+    fn check_outputs(&self, reference: &Sequence, distorted: &Sequence) -> Result<()> {
+        let mut outputs = Outputs::beside(reference.files().chain(distorted.files()));
         match &self.csv {
             Some(csv) if is_dash(csv) => {}
             _ => outputs.prints()?,
@@ -252,7 +197,7 @@ impl CompareArguments {
     }
 
     /// The result; it comes before the files, which may fail.
-    fn print(&self, comparison: &Comparison) -> Result<()> {
+    fn print(&self, comparison: &Report) -> Result<()> {
         if self.csv.as_deref().is_some_and(is_dash) {
             return Ok(());
         }
@@ -262,7 +207,7 @@ impl CompareArguments {
         print(|out| Ok(comparison.write_table(out)?))
     }
 
-    fn write(&self, comparison: &Comparison, drawn: Drawn) -> Result<()> {
+    fn write(&self, comparison: &Report, drawn: Drawn) -> Result<()> {
         if let Some(path) = &self.csv {
             write_file(path, |out| Ok(comparison.write_csv(out)?))?;
         }
@@ -283,9 +228,4 @@ struct Drawn {
     picture: Vec<u8>,
     /// The other side's mesh and a difference per vertex.
     values: Option<(Mesh, Vec<f32>)>,
-}
-
-fn surface(frame: &Frame, measures: Measures) -> Result<Surface> {
-    Surface::new(&frame.mesh, measures)
-        .with_context(|| format!("{}: frame {}", frame.file, frame.index))
 }

@@ -3,7 +3,7 @@
 use crate::Outcome;
 use crate::output::{print, print_json};
 use crate::specification;
-use crate::stream::{self, Source};
+use crate::stream;
 use anyhow::{Context, Result, bail, ensure};
 use kn_conform::{Report, load_corpus, run_foreign, run_ours_on};
 use serde::Serialize;
@@ -98,7 +98,7 @@ fn check_runs(command: &str) -> Result<()> {
 
 fn read(file: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    Source::open(file)?.read_to_end(&mut bytes).with_context(|| stream::name_of(file))?;
+    stream::open(file)?.read_to_end(&mut bytes).with_context(|| stream::name_of(file))?;
     Ok(bytes)
 }
 

@@ -5,13 +5,14 @@ mod sink;
 use crate::arguments::{FrameRange, Global};
 use crate::output::is_dash;
 use crate::outputs::{Outputs, ends_with_separator};
-use crate::stream::{self, Source};
+use crate::stream;
 use crate::table::counted;
 use crate::{Outcome, progress};
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use kn_codec::{DecodeErrorKind, Decoder};
 use kn_mesh::Mesh;
+use kn_sequence::StreamReader;
 use sink::Sink;
 use std::path::PathBuf;
 
@@ -74,7 +75,7 @@ impl Format {
 /// Runs the command.
 pub(crate) fn run(arguments: &DecodeArguments, global: &Global) -> Result<Outcome> {
     let target = arguments.target()?;
-    let mut decoder = stream::open(&arguments.input)?;
+    let mut decoder = stream::decoder(&arguments.input)?;
     let mut sink = arguments.sink(target, &decoder)?;
     let bar = progress::bar(global, "decoding", None);
     let mut frames = 0;
@@ -118,7 +119,7 @@ impl DecodeArguments {
         }
     }
 
-    fn sink(&self, target: Target, decoder: &Decoder<Source>) -> Result<Sink> {
+    fn sink(&self, target: Target, decoder: &Decoder<StreamReader>) -> Result<Sink> {
         let mut outputs = Outputs::beside([self.input.as_path()]);
         match target {
             Target::Glb => {
@@ -135,7 +136,7 @@ impl DecodeArguments {
     /// Hands the frames that were asked for to `take`: index, name in the stream, mesh.
     fn decode(
         &self,
-        decoder: &mut Decoder<Source>,
+        decoder: &mut Decoder<StreamReader>,
         global: &Global,
         mut take: impl FnMut(u64, Option<String>, &Mesh) -> Result<()>,
     ) -> Result<()> {

@@ -4,7 +4,6 @@ mod picture;
 mod result;
 
 use crate::arguments::Global;
-use crate::distortion::{self, Measures, Metric, Scale, Surface};
 use crate::output::{print, write_file};
 use crate::outputs::Outputs;
 use crate::stream::kind_letter;
@@ -13,6 +12,7 @@ use anyhow::{Context, Result};
 use kn_bitstream::params::UnitOfLength;
 use kn_codec::{Decoder, Encoder, EncoderConfig, FrameInfo, FrameKind, GridChoice};
 use kn_mesh::{BoundingBox, Mesh};
+use kn_metrics::{CompareOptions, Metric, Surface, compare_surfaces};
 use kn_performer::{Performer, PerformerConfig};
 use result::{DemoResult, FrameRow, Seconds};
 use std::fs::{self, File};
@@ -148,25 +148,25 @@ fn measure(
     bounds: BoundingBox,
     global: &Global,
 ) -> Result<Vec<FrameRow>> {
-    let scale = Scale::from(bounds);
+    let perceptual = CompareOptions::perceptual().with_bounds(bounds);
+    let distances = CompareOptions::distances().with_bounds(bounds);
     let bar = progress::bar(global, "measuring", Some(scans.len() as u64));
     let mut rows = Vec::new();
     let mut still: Option<Surface> = None;
     for (scan, DecodedFrame { info, mesh }) in scans.iter().zip(decoded) {
-        let reference = Surface::new(scan, Measures::PERCEPTUAL)?;
-        let surface = Surface::new(mesh, Measures::PERCEPTUAL)?;
-        let distortion = distortion::measure(&reference, &surface, &scale, Measures::PERCEPTUAL)?;
+        let reference = Surface::of_mesh(scan, &perceptual)?;
+        let surface = Surface::of_mesh(mesh, &perceptual)?;
+        let comparison = compare_surfaces(&reference, &surface, &perceptual)?;
         let held_still = match (info.kind, &still) {
             (FrameKind::Predicted, Some(still)) => {
-                distortion::measure(&reference, still, &scale, Measures::DISTANCE)?
-                    .get(Metric::P2sRmsWorld)
+                compare_surfaces(&reference, still, &distances)?.get(Metric::P2sRmsWorld)
             }
             _ => None,
         };
         if info.kind == FrameKind::Intra {
             still = Some(surface);
         }
-        rows.push(FrameRow::new(info, kind_letter(info.kind), distortion, held_still));
+        rows.push(FrameRow::new(info, kind_letter(info.kind), comparison, held_still));
         bar.step();
     }
     Ok(rows)

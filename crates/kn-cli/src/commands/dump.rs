@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use crate::output::print;
-use crate::stream::{self, Source};
+use crate::stream;
 use anyhow::{Context, Result};
 use kn_bitstream::{Element, Value};
 use std::io::{self, Write};
@@ -30,7 +30,7 @@ const SHOWN_BYTES: usize = 16;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DumpArguments) -> Result<Outcome> {
-    let mut source = Source::open(&arguments.input)?;
+    let mut source = stream::open(&arguments.input)?;
     let decoded = print(|out| {
         let mut written = Ok(());
         let mut print = |element: &Element<'_>| {

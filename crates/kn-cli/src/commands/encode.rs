@@ -11,7 +11,6 @@ use crate::choices::{self, LabelArgument, named};
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
-use crate::scans;
 use crate::settings::Settings;
 use anyhow::{Context, Result};
 use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis};
@@ -22,6 +21,7 @@ use kn_codec::{
 use kn_io::{InputFrame, Inputs, ReadOptions};
 use kn_mesh::{Cleaned, Mesh};
 use kn_segment::check_labels;
+use kn_sequence::{SequenceError, clean_scan, clean_surface};
 use report::Report;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let summary = write_file(&arguments.output, |writer| {
-        let clean = if arguments.lossless { scans::cleaned } else { scans::surface };
+        let clean = if arguments.lossless { clean_scan } else { clean_surface };
         encode((&inputs, clean), config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
@@ -123,9 +123,12 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     Ok(Outcome::Good)
 }
 
+/// Cleans a scan.
+type Clean = fn(&InputFrame) -> Result<Cleaned, SequenceError>;
+
 /// Reads, cleans and encodes every frame.
 fn encode(
-    (inputs, clean): (&Inputs, fn(&InputFrame) -> Result<Cleaned>),
+    (inputs, clean): (&Inputs, Clean),
     config: EncoderConfig,
     writer: &mut dyn Write,
     (report, maps): (&mut Report, &mut Option<VertexMaps>),

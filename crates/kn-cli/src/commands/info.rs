@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use crate::output::{print, print_json};
-use crate::stream::{self, Source};
+use crate::stream;
 use crate::table::{counted, grouped, table};
 use anyhow::{Context, Result};
 use kn_bitstream::SequenceHeader;
@@ -100,7 +100,7 @@ impl From<FrameInfo> for FrameRow {
 /// Runs the command.
 pub(crate) fn run(arguments: &InfoArguments) -> Result<Outcome> {
     let name = stream::name_of(&arguments.input);
-    let source = Source::open(&arguments.input)?;
+    let source = stream::open(&arguments.input)?;
     let bytes = source.size().with_context(|| name.clone())?;
     let mut decoder = Decoder::new(source).with_context(|| name.clone())?;
     let header = decoder.stream().header().cloned().context("the decoder has no header")?;

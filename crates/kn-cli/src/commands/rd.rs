@@ -225,8 +225,8 @@ impl<'r> Run<'r> {
         for (sequence, entry) in sequences.iter().zip(&self.config.sequences) {
             for codec in &self.config.codecs {
                 for rate in &self.config.rates {
-                    let measures = self.config.metrics.measures();
-                    cells.push((Cell::new((sequence, entry), codec, rate, measures)?, entry));
+                    let metrics = self.config.metrics.options();
+                    cells.push((Cell::new((sequence, entry), codec, rate, metrics)?, entry));
                 }
             }
         }

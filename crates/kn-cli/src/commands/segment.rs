@@ -6,7 +6,6 @@ use crate::arguments::Global;
 use crate::choices::named;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
-use crate::scans;
 use crate::table::table;
 use crate::{Outcome, parts, progress};
 use anyhow::{Context, Result, ensure};
@@ -14,6 +13,7 @@ use kn_bitstream::params::UpAxis;
 use kn_io::{InputFrame, Inputs, LabelSource, ReadOptions};
 use kn_mesh::{Cleaned, Mesh};
 use kn_segment::{SegmentOptions, Segmenter, check_labels};
+use kn_sequence::clean_scan;
 use preview::Preview;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     for frame in inputs.frames() {
         let frame = frame?;
         let named = || format!("{}: frame {}", frame.path.display(), frame.index);
-        let cleaned = scans::cleaned(&frame)?;
+        let cleaned = clean_scan(&frame)?;
         let (labels, row) = match arguments.check {
             None => found(&mut segmenter, &frame, &cleaned).with_context(named)?,
             Some(_) => checked(&frame, &cleaned, options).with_context(named)?,

@@ -2,7 +2,7 @@
 
 use crate::arguments::Global;
 use crate::output::print;
-use crate::stream::{self, Source};
+use crate::stream;
 use crate::table::counted;
 use crate::{Outcome, progress};
 use anyhow::{Context, Result, bail};
@@ -28,7 +28,7 @@ pub(crate) struct VerifyArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &VerifyArguments, global: &Global) -> Result<Outcome> {
     let name = stream::name_of(&arguments.input);
-    let mut source = Source::open(&arguments.input)?;
+    let mut source = stream::open(&arguments.input)?;
     let bar = progress::bar(global, "verifying", None);
     let (mut frames, mut digests) = (0_u64, 0_u64);
     let mut count_digests = |element: &Element<'_>| {

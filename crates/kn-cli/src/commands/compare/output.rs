@@ -1,21 +1,19 @@
 //! The result of a comparison: table, CSV, JSON.
 
-use crate::distortion::{Distortion, Metric, Scale};
-use crate::sequence::Frame;
 use crate::stream;
 use crate::table::{grouped, table};
-use kn_codec::FrameKind;
+use kn_sequence::{Comparison, FrameComparison, Metric, SequenceComparison};
 use serde::Serialize;
 use std::io::{self, Write};
 
 /// What was measured.
 #[derive(Debug, Serialize)]
-pub(super) struct Comparison {
+pub(super) struct Report {
     /// Over all frames.
-    mean: Distortion,
+    mean: Comparison,
     /// Over the P-frames, where the other side is a stream that has some.
     #[serde(skip_serializing_if = "Option::is_none")]
-    mean_predicted: Option<Distortion>,
+    mean_predicted: Option<Comparison>,
     frames: Vec<FrameRow>,
     /// What relative values refer to.
     #[serde(rename = "box")]
@@ -38,18 +36,13 @@ pub(super) struct FrameRow {
     #[serde(skip_serializing_if = "Option::is_none")]
     bytes: Option<u64>,
     #[serde(flatten)]
-    distortion: Distortion,
+    comparison: Comparison,
 }
 
-impl FrameRow {
-    /// What was measured on `other`.
-    pub(super) fn new(other: &Frame, distortion: Distortion) -> Self {
-        let kind = other.kind.map(stream::kind_letter);
-        Self { index: other.index, kind, bytes: other.bytes, distortion }
-    }
-
-    fn is_predicted(&self) -> bool {
-        self.kind == Some(stream::kind_letter(FrameKind::Predicted))
+impl From<FrameComparison> for FrameRow {
+    fn from(frame: FrameComparison) -> Self {
+        let FrameComparison { index, bytes, comparison, .. } = frame;
+        Self { index, kind: frame.kind.map(stream::kind_letter), bytes, comparison }
     }
 }
 
@@ -66,14 +59,12 @@ const TITLES: [&str; 9] = [
     "D2 dB",
 ];
 
-impl Comparison {
-    /// Takes the means; `None` without frames.
-    pub(super) fn new(frames: Vec<FrameRow>, scale: &Scale) -> Option<Self> {
-        let mean = Distortion::mean(frames.iter().map(|frame| &frame.distortion))?;
-        let predicted = frames.iter().filter(|frame| frame.is_predicted());
-        let mean_predicted = Distortion::mean(predicted.map(|frame| &frame.distortion));
-        let scale = BoxLengths { side: scale.side(), diagonal: scale.diagonal() };
-        Some(Self { mean, mean_predicted, frames, scale })
+impl Report {
+    pub(super) fn new(measured: SequenceComparison) -> Self {
+        let SequenceComparison { bounds, mean, mean_predicted, .. } = measured;
+        let scale = BoxLengths { side: bounds.longest_side(), diagonal: bounds.diagonal() };
+        let frames = measured.frames.into_iter().map(FrameRow::from).collect();
+        Self { mean, mean_predicted, frames, scale }
     }
 
     pub(super) fn write_table(&self, out: &mut dyn Write) -> io::Result<()> {
@@ -90,7 +81,7 @@ impl Comparison {
                 frame.kind.unwrap_or("").to_owned(),
                 frame.bytes.map_or(String::new(), grouped),
             ];
-            table.add_row(own.into_iter().chain(cells(&frame.distortion)));
+            table.add_row(own.into_iter().chain(cells(&frame.comparison)));
         }
         let means = [("mean", Some(&self.mean)), ("mean P", self.mean_predicted.as_ref())];
         for (name, mean) in means {
@@ -109,7 +100,7 @@ impl Comparison {
             let kind = frame.kind.unwrap_or("");
             let bytes = frame.bytes.map_or(String::new(), |bytes| bytes.to_string());
             let value = |metric| {
-                frame.distortion.get(metric).map_or(String::new(), |value| value.to_string())
+                frame.comparison.get(metric).map_or(String::new(), |value| value.to_string())
             };
             writeln!(out, "{},{kind},{bytes},{}", frame.index, Metric::ALL.map(value).join(","))?;
         }
@@ -117,12 +108,12 @@ impl Comparison {
     }
 }
 
-fn cells(distortion: &Distortion) -> [String; 9] {
+fn cells(comparison: &Comparison) -> [String; 9] {
     let value = |metric: Metric, digits: usize| {
-        distortion.get(metric).map_or(String::new(), |value| format!("{value:.digits$}"))
+        comparison.get(metric).map_or(String::new(), |value| format!("{value:.digits$}"))
     };
     let relative = |metric: Metric, digits: usize| {
-        let scaled = distortion.get(metric).map(|value| 1e4 * value);
+        let scaled = comparison.get(metric).map(|value| 1e4 * value);
         scaled.map_or(String::new(), |value| format!("{value:.digits$}e-4"))
     };
     [

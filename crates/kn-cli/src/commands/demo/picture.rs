@@ -1,7 +1,6 @@
 //! The demo's picture: scans, decoded frames and their error, side by side.
 
 use super::DecodedFrame;
-use crate::distortion::{Measures, Surface};
 use crate::heatmap::{self, PICTURE};
 use crate::picture::{Canvas, Sheet, View};
 use crate::stream::kind_letter;
@@ -9,6 +8,7 @@ use crate::table::grouped;
 use anyhow::Result;
 use kn_bitstream::params::UpAxis;
 use kn_mesh::{BoundingBox, Mesh};
+use kn_metrics::{CompareOptions, Surface};
 
 /// How many frames are shown.
 const COLUMNS: usize = 5;
@@ -25,11 +25,12 @@ pub(super) fn draw(
     let shown = chosen(count);
     let view = View::new(bounds, UpAxis::Y, YAW_DEGREES);
     let millimetres = |distance: f64| 1e3 * distance;
+    let options = CompareOptions::distances();
     let mut errors = Vec::new();
     for &index in &shown {
-        let reference = Surface::new(&scans[index], Measures::DISTANCE)?;
-        let surface = Surface::new(&decoded[index].mesh, Measures::DISTANCE)?;
-        errors.push(reference.distances_of(&surface).into_iter().map(millimetres).collect());
+        let reference = Surface::of_mesh(&scans[index], &options)?;
+        let surface = Surface::of_mesh(&decoded[index].mesh, &options)?;
+        errors.push(surface.vertex_distances(&reference).into_iter().map(millimetres).collect());
     }
     let end = heatmap::scale_end(errors.iter().map(|error: &Vec<f64>| &error[..]));
 

@@ -1,8 +1,8 @@
 //! What the demo found: table and JSON.
 
-use crate::distortion::{Distortion, Metric};
 use crate::table::{grouped, table};
 use kn_codec::FrameInfo;
+use kn_metrics::{Comparison, Metric};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -27,8 +27,8 @@ pub(super) struct DemoResult {
     raw_bytes: u64,
     fps: f64,
     verified: bool,
-    mean: Option<Distortion>,
-    mean_predicted: Option<Distortion>,
+    mean: Option<Comparison>,
+    mean_predicted: Option<Comparison>,
     /// Mean point-to-surface RMS of the P-frames' scans against the I-frame held still, metres.
     held_still_rms_world: f64,
     seconds: Seconds,
@@ -45,7 +45,7 @@ pub(super) struct FrameRow {
     faces: u32,
     nodes: u32,
     #[serde(flatten)]
-    distortion: Distortion,
+    comparison: Comparison,
     #[serde(skip_serializing_if = "Option::is_none")]
     held_still_rms_world: Option<f64>,
 }
@@ -54,7 +54,7 @@ impl FrameRow {
     pub(super) fn new(
         info: &FrameInfo,
         kind: &'static str,
-        distortion: Distortion,
+        comparison: Comparison,
         held_still_rms_world: Option<f64>,
     ) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl FrameRow {
             vertices: info.vertices,
             faces: info.faces,
             nodes: info.nodes,
-            distortion,
+            comparison,
             held_still_rms_world,
         }
     }
@@ -84,8 +84,8 @@ impl DemoResult {
             raw_bytes: frames.iter().map(raw).sum(),
             fps: FPS,
             verified,
-            mean: Distortion::mean(frames.iter().map(|frame| &frame.distortion)),
-            mean_predicted: Distortion::mean(predicted().map(|frame| &frame.distortion)),
+            mean: Comparison::mean(frames.iter().map(|frame| &frame.comparison)),
+            mean_predicted: Comparison::mean(predicted().map(|frame| &frame.comparison)),
             held_still_rms_world: held_still.sum::<f64>() / predicted().count().max(1) as f64,
             seconds,
             frames,
@@ -112,7 +112,7 @@ impl DemoResult {
                 grouped(frame.vertices.into()),
             ];
             table.add_row(
-                own.into_iter().chain(cells(&frame.distortion, frame.held_still_rms_world)),
+                own.into_iter().chain(cells(&frame.comparison, frame.held_still_rms_world)),
             );
         }
         if let Some(mean) = &self.mean_predicted {
@@ -151,16 +151,16 @@ impl DemoResult {
     }
 }
 
-fn cells(distortion: &Distortion, held_still: Option<f64>) -> [String; 5] {
+fn cells(comparison: &Comparison, held_still: Option<f64>) -> [String; 5] {
     let text = |value: Option<f64>, factor: f64, digits: usize| {
         value.map_or(String::new(), |value| format!("{:.digits$}", factor * value))
     };
     let millimetres = |metres| text(metres, 1e3, 2);
     [
-        millimetres(distortion.get(Metric::P2sRmsWorld)),
+        millimetres(comparison.get(Metric::P2sRmsWorld)),
         millimetres(held_still),
-        text(distortion.get(Metric::P2sPsnr), 1.0, 1),
-        millimetres(distortion.get(Metric::HausdorffWorld)),
-        text(distortion.get(Metric::Msdm2), 1.0, 3),
+        text(comparison.get(Metric::P2sPsnr), 1.0, 1),
+        millimetres(comparison.get(Metric::HausdorffWorld)),
+        text(comparison.get(Metric::Msdm2), 1.0, 3),
     ]
 }

@@ -2,11 +2,11 @@
 
 use crate::arguments::Global;
 use crate::progress;
-use crate::scans;
 use anyhow::{Result, anyhow, bail};
 use kn_codec::EncodeError;
 use kn_io::Inputs;
 use kn_mesh::{BoundingBox, ExactGrid, Grid};
+use kn_sequence::clean_scan;
 use std::path::PathBuf;
 
 /// What is known about a sequence before it is encoded.
@@ -41,7 +41,7 @@ impl Survey {
             let frame = frame?;
             let Some(own) = frame.mesh.surface_box() else {
                 // Cleaning says what is wrong.
-                scans::cleaned(&frame)?;
+                clean_scan(&frame)?;
                 bail!("{}: frame {}: the mesh has no faces", frame.path.display(), frame.index);
             };
             survey.bounds = Some(survey.bounds.map_or(own, |all| all.union(own)));

@@ -5,13 +5,13 @@ use super::config::{CodecEntry, CodecLabels, RateEntry, SequenceEntry, merged};
 use super::results::{CellResult, FrameResult};
 use super::sequences::{Sequence, hex};
 use super::store::Store;
-use crate::distortion::{self, Measures, Surface};
 use crate::output::write_file;
 use crate::settings::{Settings, flags_of};
 use crate::stream::{self, kind_letter};
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Encoder, EncoderConfig, LabelChoice};
 use kn_mesh::Mesh;
+use kn_metrics::{CompareOptions, Surface, compare_surfaces};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) struct Cell<'p> {
     pub(super) rate: &'p RateEntry,
     labels: CodecLabels,
     config: EncoderConfig,
-    measures: Measures,
+    metrics: CompareOptions,
     pub(super) key: String,
 }
 
@@ -36,7 +36,7 @@ impl<'p> Cell<'p> {
         (sequence, entry): (&'p Sequence, &SequenceEntry),
         codec: &'p CodecEntry,
         rate: &'p RateEntry,
-        measures: Measures,
+        metrics: CompareOptions,
     ) -> Result<Self> {
         let mut config = EncoderConfig {
             frame_rate: sequence.rate,
@@ -56,7 +56,8 @@ impl<'p> Cell<'p> {
             CodecLabels::None => LabelChoice::Given,
         };
         let key = String::new();
-        let mut cell = Self { sequence, codec, rate, labels, config, measures, key };
+        let metrics = metrics.with_bounds(sequence.bounds);
+        let mut cell = Self { sequence, codec, rate, labels, config, metrics, key };
         cell.key = cell.digest();
         Ok(cell)
     }
@@ -65,9 +66,9 @@ impl<'p> Cell<'p> {
     fn digest(&self) -> String {
         let mut digest = Sha256::new();
         let (version, labels) = (env!("CARGO_PKG_VERSION"), self.labels);
-        let (config, measures, frames) = (&self.config, self.measures, &self.sequence.info.digest);
+        let (config, metrics, frames) = (&self.config, &self.metrics, &self.sequence.info.digest);
         // Debug prints every field, those of later versions too.
-        digest.update(format!("{FORMAT} {version} {labels:?} {config:?} {measures:?} {frames}"));
+        digest.update(format!("{FORMAT} {version} {labels:?} {config:?} {metrics:?} {frames}"));
         hex(digest)
     }
 
@@ -123,18 +124,17 @@ impl<'p> Cell<'p> {
     }
 
     fn measure(&self, path: &Path, result: &mut CellResult) -> Result<()> {
-        let scale = self.sequence.scale();
-        let mut decoder = stream::open(path)?;
+        let mut decoder = stream::decoder(path)?;
         let mut mesh = Mesh::default();
         for index in 0..self.sequence.len() {
             let decoded = timed(&mut result.decode_seconds, || decoder.next_frame(&mut mesh));
             let info = decoded.with_context(|| stream::name_of(path))?;
             let info = info.with_context(|| format!("frame {index} is not in the stream"))?;
             let scan = self.sequence.frame(index, CodecLabels::None)?;
-            let distortion = timed(&mut result.measure_seconds, || {
-                let reference = Surface::new(&scan, self.measures)?;
-                let other = Surface::new(&mesh, self.measures)?;
-                distortion::measure(&reference, &other, &scale, self.measures)
+            let comparison = timed(&mut result.measure_seconds, || {
+                let reference = Surface::of_mesh(&scan, &self.metrics)?;
+                let decoded = Surface::of_mesh(&mesh, &self.metrics)?;
+                compare_surfaces(&reference, &decoded, &self.metrics)
             });
             result.frames.push(FrameResult {
                 index: info.index,
@@ -142,7 +142,7 @@ impl<'p> Cell<'p> {
                 bytes: info.bytes,
                 vertices: info.vertices,
                 nodes: info.nodes,
-                distortion: distortion.with_context(|| format!("frame {index}"))?,
+                comparison: comparison.with_context(|| format!("frame {index}"))?,
             });
         }
         let more = decoder.next_frame(&mut mesh).with_context(|| stream::name_of(path))?;

@@ -1,12 +1,12 @@
 //! The configuration file: what it may hold, and the first look at whether it makes sense.
 
 use crate::arguments::FrameRange;
-use crate::distortion::Measures;
 use crate::nearest::nearest;
 use crate::settings::Settings;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use kn_bitstream::params::{FrameRate, UpAxis};
 use kn_codec::Preset;
+use kn_metrics::CompareOptions;
 use serde::Deserialize;
 use std::collections::HashSet;
 use std::fs;
@@ -117,8 +117,12 @@ impl Default for MetricsEntry {
 }
 
 impl MetricsEntry {
-    pub(super) fn measures(&self) -> Measures {
-        Measures { msdm2: self.msdm2, points: self.d1d2, projected: false }
+    pub(super) fn options(&self) -> CompareOptions {
+        let mut options = CompareOptions::default();
+        options.msdm2 = self.msdm2;
+        options.projected = false;
+        options.grid = options.grid.filter(|_| self.d1d2);
+        options
     }
 }
 

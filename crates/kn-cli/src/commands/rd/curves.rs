@@ -1,7 +1,7 @@
 //! Rate-distortion curves of every codec on every sequence.
 
 use super::results::{CellResult, CellRow, Share};
-use crate::distortion::Metric;
+use kn_metrics::Metric;
 use kn_metrics::RatePoint;
 
 /// A number that curves are drawn and compared in.

@@ -28,7 +28,7 @@ pub(super) enum Found {
         cubic: Option<f64>,
         overlap: f64,
         /// Points left out: of the anchor, of the codec.
-        dominated: (usize, usize),
+        dominated: [usize; 2],
         /// The curves share too little for the value to be trusted.
         overlap_is_small: bool,
     },
@@ -43,7 +43,7 @@ impl From<BdRate> for Found {
             pchip: rate.pchip,
             cubic: rate.cubic,
             overlap: rate.overlap,
-            dominated: rate.dominated,
+            dominated: [rate.dominated.anchor, rate.dominated.test],
             overlap_is_small: rate.overlap_is_small(),
         }
     }

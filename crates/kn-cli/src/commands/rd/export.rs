@@ -2,9 +2,9 @@
 
 use super::deltas::Delta;
 use super::results::{CellRow, Share, Study};
-use crate::distortion::Metric;
 use crate::output::write_file;
 use anyhow::{Context, Result};
+use kn_metrics::Metric;
 use serde::Serialize;
 use std::fs;
 use std::path::Path;

@@ -146,7 +146,7 @@ mod tests {
                 pchip: -47.04,
                 cubic: None,
                 overlap,
-                dominated: (0, 0),
+                dominated: [0, 0],
                 overlap_is_small,
             },
         };

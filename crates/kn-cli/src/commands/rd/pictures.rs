@@ -4,13 +4,13 @@ use super::config::{CodecLabels, PicturesEntry};
 use super::results::{CellRow, PictureRow, Share};
 use super::sequences::Sequence;
 use super::store::Store;
-use crate::distortion::{Measures, Surface};
 use crate::heatmap;
 use crate::output::write_file;
 use crate::picture::{Canvas, View};
 use crate::stream;
 use anyhow::{Context, Result};
 use kn_mesh::Mesh;
+use kn_metrics::{CompareOptions, Surface};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -105,8 +105,9 @@ impl Scene<'_> {
         if !(is_there(&file) && is_there(&error_file)) {
             let mesh = self.decode(&cell.result.key)?;
             let scan = self.sequence.frame(self.frame, CodecLabels::None)?;
-            let reference = Surface::new(&scan, Measures::DISTANCE)?;
-            let errors = reference.distances_of(&Surface::new(&mesh, Measures::DISTANCE)?);
+            let options = CompareOptions::distances();
+            let reference = Surface::of_mesh(&scan, &options)?;
+            let errors = Surface::of_mesh(&mesh, &options)?.vertex_distances(&reference);
             let (view, size) = (&self.view, self.size());
             let map = heatmap::coloured(&mesh, &errors, self.scale_end, view, size);
             self.artist.write(&file, &heatmap::plain(&mesh, view, size))?;
@@ -127,7 +128,7 @@ impl Scene<'_> {
     fn decode(&self, key: &str) -> Result<Mesh> {
         let path = self.artist.store.stream(key);
         let named = || stream::name_of(&path);
-        let mut decoder = stream::open(&path)?;
+        let mut decoder = stream::decoder(&path)?;
         decoder.seek(self.frame as u64).with_context(named)?;
         let mut mesh = Mesh::default();
         let info = decoder.next_frame(&mut mesh).with_context(named)?;

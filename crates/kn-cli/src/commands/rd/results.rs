@@ -1,6 +1,6 @@
 //! What a run finds: the cells' own files and results.json.
 
-use crate::distortion::{Distortion, Metric};
+use kn_metrics::{Comparison, Metric};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a report is made of, together with the configuration.
@@ -90,7 +90,7 @@ pub(super) struct FrameResult {
     pub(super) vertices: u32,
     pub(super) nodes: u32,
     #[serde(flatten)]
-    pub(super) distortion: Distortion,
+    pub(super) comparison: Comparison,
 }
 
 impl FrameResult {
@@ -133,7 +133,7 @@ impl CellResult {
 
     /// The mean of a metric, where it was measured on every frame.
     pub(super) fn mean(&self, metric: Metric, share: Share) -> Option<f64> {
-        Distortion::mean(self.frames_of(share).map(|frame| &frame.distortion))?.get(metric)
+        Comparison::mean(self.frames_of(share).map(|frame| &frame.comparison))?.get(metric)
     }
 }
 

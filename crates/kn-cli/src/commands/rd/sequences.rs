@@ -4,14 +4,13 @@ use super::config::{CodecLabels, Config, SequenceEntry};
 use super::performer;
 use super::results::SequenceInfo;
 use crate::arguments::{FrameRange, Global};
-use crate::distortion::Scale;
 use crate::progress;
-use crate::scans;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_bitstream::params::{FileNames, FrameRate, UpAxis};
 use kn_codec::EncodeError;
 use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh};
+use kn_sequence::clean_surface;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -78,14 +77,13 @@ impl Sequence {
         let bounds = look.bounds.context("no frame has a vertex")?;
         ensure!(bounds.diagonal() > 0.0, "all vertices are at one point");
         let rate = entry.frame_rate()?;
-        let scale = Scale::from(bounds);
         let info = SequenceInfo {
             name: entry.name.clone(),
             input: source.display().to_string(),
             first: frames.start as u64,
             fps: rate.per_second(),
-            side: scale.side(),
-            diagonal: scale.diagonal(),
+            side: bounds.longest_side(),
+            diagonal: bounds.diagonal(),
             ..look.info()
         };
         Ok(Self {
@@ -100,11 +98,6 @@ impl Sequence {
             rate,
             up_axis: entry.up_axis()?,
         })
-    }
-
-    /// The scale of relative distances and decibels.
-    pub(super) fn scale(&self) -> Scale {
-        Scale::from(self.bounds)
     }
 
     /// The box that every frame fits.
@@ -127,7 +120,7 @@ impl Sequence {
             CodecLabels::Auto | CodecLabels::None => &self.bare,
         };
         let frame = inputs.read(self.frames.start + index)?;
-        Ok(scans::surface(&frame)?.mesh)
+        Ok(clean_surface(&frame)?.mesh)
     }
 
     /// Adds the file's name to an encoder's error about a frame.
@@ -203,7 +196,7 @@ impl Look {
         };
         for index in frames {
             let frame = inputs.read(index)?;
-            look.take(&scans::surface(&frame)?.mesh);
+            look.take(&clean_surface(&frame)?.mesh);
             look.names.push(frame.name);
             look.files.push(frame.path);
             bar.step();

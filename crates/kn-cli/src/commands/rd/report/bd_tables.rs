@@ -75,8 +75,8 @@ fn value(delta: &Delta) -> String {
             let hint = format!(
                 "cubic {} %, overlap {overlap:.2}, points left out: {} of the anchor, {} of {}",
                 number(*cubic, 2),
-                dominated.0,
-                dominated.1,
+                dominated[0],
+                dominated[1],
                 delta.codec,
             );
             let doubt = if *overlap_is_small { " doubt" } else { "" };
