@@ -20,7 +20,7 @@ pub enum DecodeErrorKind {
         rule: Rule,
         /// Bit in the file at which this shows.
         at: u64,
-        /// Index of the frame, where one was being decoded.
+        /// The frame that was being decoded, where there was one: its place in decode order.
         frame: Option<u64>,
     },
     /// The stream ends before its index: truncated, or still growing.
@@ -56,7 +56,7 @@ pub enum DecodeErrorKind {
         rule: Rule,
         /// Bit in the file at which the frame's unit begins.
         at: u64,
-        /// Index of the frame.
+        /// The frame's place in decode order.
         frame: u64,
     },
     /// An earlier error ended the stream.

@@ -9,6 +9,7 @@ pub mod digest;
 mod error;
 pub mod intra;
 mod limits;
+mod order;
 
 pub use decode::{Decoder, FrameInfo, FrameKind, Progress, StreamDecoder};
 pub use error::{DecodeError, DecodeErrorKind};

@@ -178,7 +178,7 @@ fn feed<R: Read>(
 ) -> Result<(), DecodeError> {
     let read = read_some(reader, chunk)?;
     if read == 0 {
-        let (bytes, frames) = (stream.received(), stream.frame());
+        let (bytes, frames) = (stream.received(), stream.decoded());
         return Err(DecodeErrorKind::Truncated { bytes, frames }.into());
     }
     stream.push(&chunk[..read]);

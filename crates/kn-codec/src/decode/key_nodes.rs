@@ -4,10 +4,10 @@ use crate::decode::nearest::Slabs;
 use kn_bitstream::{AffineNodes, KeyNodes, NodeSites};
 use kn_mesh::GridMesh;
 
-/// The key nodes of a group of frames.
+/// The key nodes of a GoF: what stays the same through it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodeSet {
-    /// `#N × 3`.
+    /// `#N × 3`, on the I-frame, in grid steps.
     pub(crate) positions: Vec<[i32; 3]>,
     /// `#N` labels, each that of the nearest vertex of the I-frame.
     pub(crate) labels: Vec<u8>,

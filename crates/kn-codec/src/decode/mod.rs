@@ -6,6 +6,7 @@ mod nearest;
 mod node_graph;
 mod path;
 mod reconstruction;
+mod references;
 mod stream;
 mod transforms;
 mod translation;
@@ -17,5 +18,7 @@ pub use stream::{FrameInfo, FrameKind, Progress, StreamDecoder};
 pub(crate) use path::Visit;
 #[cfg(feature = "encode")]
 pub(crate) use reconstruction::Reconstruction;
+#[cfg(feature = "encode")]
+pub(crate) use references::Slot;
 #[cfg(feature = "encode")]
 pub(crate) use translation::Translations;

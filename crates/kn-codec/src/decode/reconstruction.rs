@@ -1,8 +1,9 @@
-//! The state of one group of frames and every step from syntax to positions. The encoder owns the
-//! same type and calls the same methods for its reference: there is no second copy.
+//! The state of one GoF and every step from syntax to positions. The encoder owns the same type and
+//! calls the same methods for its references: there is no second copy.
 
 use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
 use crate::decode::path::{Sites, trace_path};
+use crate::decode::references::{Reference, ReferencePool, Slot};
 use crate::decode::transforms::decode_transforms;
 use crate::decode::translation::Translations;
 use kn_bitstream::params::{InfluenceMode, LabelSet, UpAxis, WeightScheme, Weights};
@@ -13,7 +14,7 @@ use kn_bitstream::{
 use kn_deform::{BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind};
 use kn_mesh::{Grid, GridMesh};
 
-/// Decodes the frames of a group, one after the other. Buffers are reused from group to group.
+/// Decodes the frames of a GoF in decode order. Buffers are reused from GoF to GoF.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reconstruction {
     up_axis: UpAxis,
@@ -25,10 +26,7 @@ pub(crate) struct Reconstruction {
     /// The decoded I-frame, in grid steps.
     intra: GridMesh,
     vertex_regions: Vec<u8>,
-    /// `#V × 3`, the last decoded frame in reference units.
-    reference: Vec<[i32; 3]>,
-    /// `#V × 3`, the frame being deformed.
-    next: Vec<[i32; 3]>,
+    references: ReferencePool,
     nodes: NodeSet,
     influence: Influence,
     translations: Translations,
@@ -51,27 +49,33 @@ impl Reconstruction {
         }
     }
 
-    /// Begins a group: `decode` fills the I-frame, which is then smoothed as [`Self::smooth`] says.
+    /// Begins a GoF: `decode` fills the I-frame, which is then smoothed as [`Self::smooth`] says.
     pub(crate) fn begin<E>(
         &mut self,
         smoothing: u8,
         decode: impl FnOnce(&mut GridMesh) -> Result<(), E>,
     ) -> Result<(), E> {
         decode(&mut self.intra)?;
+        self.nodes.clear();
+        self.references.clear();
+        let slot = self.references.free();
+        self.references.get_mut(slot).nodes.clear();
+        self.references.keep(slot);
         self.smoother.begin_mesh();
         self.smooth(smoothing);
-        self.nodes.clear();
         Ok(())
     }
 
-    /// The first reference of a group: the decoded I-frame in reference units, smoothed
+    /// The first reference of a GoF: the decoded I-frame in reference units, smoothed
     /// (`smooth.strength`).
     pub(crate) fn smooth(&mut self, strength: u8) {
         let fraction_bits = self.fraction_bits;
-        self.reference.clear();
-        self.reference.extend(self.intra.positions.iter().map(|p| p.map(|c| c << fraction_bits)));
+        let slot = self.references.last();
+        let positions = &mut self.references.get_mut(slot).positions;
+        positions.clear();
+        positions.extend(self.intra.positions.iter().map(|p| p.map(|c| c << fraction_bits)));
         let half_step = (1 << fraction_bits) >> 1;
-        self.smoother.smooth(&mut self.reference, &self.intra.faces, strength, half_step);
+        self.smoother.smooth(positions, &self.intra.faces, strength, half_step);
     }
 
     /// Whether every label of the I-frame is one of the sequence's (`intra.labels.range`).
@@ -79,7 +83,7 @@ impl Reconstruction {
         self.intra.labels.iter().all(|&label| self.labels.region(label).is_some())
     }
 
-    /// Places the group's key nodes and binds influence on the I-frame.
+    /// Places the GoF's key nodes and binds influence on the I-frame.
     ///
     /// # Errors
     /// The rule that is broken.
@@ -107,9 +111,11 @@ impl Reconstruction {
             up_axis: self.up_axis.index(),
         });
         self.translations.begin(&self.nodes.labels, path);
-        for position in &mut self.nodes.positions {
-            *position = position.map(|c| c << self.fraction_bits);
-        }
+        let fraction_bits = self.fraction_bits;
+        let slot = self.references.last();
+        let placed = &mut self.references.get_mut(slot).nodes;
+        placed.clear();
+        placed.extend(nodes.iter().map(|p| p.map(|c| c << fraction_bits)));
         Ok(())
     }
 
@@ -123,28 +129,20 @@ impl Reconstruction {
         }
     }
 
-    /// Decodes a P-frame: the reference becomes this frame, the nodes move.
+    /// Decodes a P-frame from the reference in `from`, which no later frame refers to: this frame is
+    /// the last decoded one then.
     ///
     /// # Errors
-    /// The rule that is broken; the state is then undefined until the next group.
-    pub(crate) fn apply(&mut self, motion: &MotionFrame) -> Result<(), Rule> {
-        self.deform(motion)?;
-        std::mem::swap(&mut self.reference, &mut self.next);
-        let limit = self.limit();
-        for (position, transform) in self.nodes.positions.iter_mut().zip(&self.transforms) {
-            for axis in 0..3 {
-                // Both are below 2^28, so the sum fits.
-                position[axis] += transform.translation[axis] as i32;
-                if position[axis].abs() >= limit {
-                    return Err(rule::DEFORM_NODES_MOVE);
-                }
-            }
-        }
+    /// The rule that is broken; the state is then undefined until the next GoF.
+    pub(crate) fn apply(&mut self, motion: &MotionFrame, from: Slot) -> Result<(), Rule> {
+        let into = self.decode_motion(motion, from)?;
+        self.references.keep(into);
+        self.references.release(from);
         Ok(())
     }
 
-    /// Shows `look` the positions that [`Self::apply`] would make the reference, and its faces; the
-    /// state stays as it is.
+    /// Shows `look` the positions that [`Self::apply`] would decode, and their faces; the state stays
+    /// as it is.
     ///
     /// # Errors
     /// The rule that is broken.
@@ -152,24 +150,33 @@ impl Reconstruction {
     pub(crate) fn preview<T>(
         &mut self,
         motion: &MotionFrame,
+        from: Slot,
         look: impl FnOnce(&[[i32; 3]], &[[u32; 3]]) -> T,
     ) -> Result<T, Rule> {
         let before = self.translations.clone();
-        let deformed = self.deform(motion);
+        let decoded = self.decode_motion(motion, from);
         self.translations = before;
-        deformed.map(|()| look(&self.next, &self.intra.faces))
+        decoded.map(|slot| look(&self.references.get(slot).positions, &self.intra.faces))
     }
 
-    /// The next frame from its motion, into `self.next`.
-    fn deform(&mut self, motion: &MotionFrame) -> Result<(), Rule> {
+    /// The frame that `motion` makes of the one in `from`, in a free slot, which is returned.
+    fn decode_motion(&mut self, motion: &MotionFrame, from: Slot) -> Result<Slot, Rule> {
         let limit = self.limit();
         self.translations.decode(motion, i64::from(limit))?;
         let translations = self.translations.decoded();
         decode_transforms(motion, &self.nodes.affine, translations, &mut self.transforms);
-        let (nodes, transforms) = (&self.nodes.positions, &self.transforms);
-        self.deformer
-            .deform(&self.reference, &self.influence, nodes, transforms, limit, &mut self.next)
+        let into = self.references.free();
+        // The buffers are out of the pool while it lends the reference.
+        let mut frame = std::mem::take(self.references.get_mut(into));
+        let reference = self.references.get(from);
+        let (vertices, nodes) = (&reference.positions, &reference.nodes);
+        let deformed = self
+            .deformer
+            .deform(vertices, &self.influence, nodes, &self.transforms, limit, &mut frame.positions)
             .map_err(|_| rule::DEFORM_POSITION_RANGE)
+            .and_then(|()| move_nodes(nodes, &self.transforms, limit, &mut frame.nodes));
+        *self.references.get_mut(into) = frame;
+        deformed.map(|()| into)
     }
 
     /// Reference units that no coordinate reaches, nor any translation.
@@ -177,19 +184,29 @@ impl Reconstruction {
         Grid::LIMIT << self.fraction_bits
     }
 
-    /// The decoded I-frame of the group, in grid steps.
+    /// The decoded I-frame of the GoF, in grid steps.
     pub(crate) fn intra(&self) -> &GridMesh {
         &self.intra
     }
 
-    /// The group's key nodes, positions in reference units.
+    /// The GoF's key nodes, positions on the I-frame in grid steps.
     pub(crate) fn nodes(&self) -> &NodeSet {
         &self.nodes
     }
 
+    /// The slot of the last decoded frame, which P-frames of this version are deformed from.
+    pub(crate) fn last(&self) -> Slot {
+        self.references.last()
+    }
+
+    /// The decoded frame in a slot.
+    pub(crate) fn reference(&self, slot: Slot) -> &Reference {
+        self.references.get(slot)
+    }
+
     /// The last decoded frame in reference units (`#V × 3`; `deform.output`).
-    pub(crate) fn reference(&self) -> &[[i32; 3]] {
-        &self.reference
+    pub(crate) fn last_positions(&self) -> &[[i32; 3]] {
+        &self.references.get(self.references.last()).positions
     }
 
     /// Translations of the last P-frame.
@@ -198,11 +215,29 @@ impl Reconstruction {
         &self.translations
     }
 
-    /// Influence of the group.
+    /// Influence of the GoF.
     #[cfg(feature = "encode")]
     pub(crate) fn influence(&self) -> &Influence {
         &self.influence
     }
+}
+
+/// Nodes of a frame (`#N × 3`, reference units): those of its reference, moved by their
+/// translations (`deform.nodes.move`).
+fn move_nodes(
+    nodes: &[[i32; 3]],
+    transforms: &[NodeTransform],
+    limit: i32,
+    moved: &mut Vec<[i32; 3]>,
+) -> Result<(), Rule> {
+    moved.clear();
+    // Both summands are below 2^28, so the sum fits.
+    let sum = |(node, transform): (&[i32; 3], &NodeTransform)| -> [i32; 3] {
+        std::array::from_fn(|axis| node[axis] + transform.translation[axis] as i32)
+    };
+    moved.extend(nodes.iter().zip(transforms).map(sum));
+    let inside = moved.as_flattened().iter().all(|c| c.abs() < limit);
+    if inside { Ok(()) } else { Err(rule::DEFORM_NODES_MOVE) }
 }
 
 fn bind_rule(error: BindError) -> Rule {

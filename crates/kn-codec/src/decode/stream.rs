@@ -6,6 +6,7 @@ use crate::decode::reconstruction::Reconstruction;
 use crate::error::{DecodeError, DecodeErrorKind};
 use crate::intra::IntraDecoder;
 use crate::limits::Limits;
+use crate::order::FrameNumbers;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits};
 use kn_bitstream::{
     BitReader, Element, Error, ErrorKind, Index, IndexGroup, Level, MotionFrame, SequenceHeader,
@@ -19,7 +20,7 @@ use kn_mesh::{Grid, Mesh};
 pub enum Progress {
     /// At least so many more bytes are needed.
     NeedBytes(usize),
-    /// A frame has been decoded.
+    /// The next frame in display order has been decoded.
     Frame(FrameInfo),
     /// The index has been read: the stream is complete.
     End,
@@ -28,20 +29,23 @@ pub enum Progress {
 /// Intra or predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
-    /// An I-frame: begins a group of frames and decodes alone.
+    /// An I-frame: begins a GoF and decodes alone.
     Intra,
-    /// A P-frame: the frame before, deformed.
+    /// A P-frame: a decoded frame of its GoF, deformed.
     Predicted,
 }
 
 /// What is known of a decoded frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameInfo {
-    /// Position in the sequence, from 0.
+    /// Place in the sequence, from 0: display order. Rises by one from frame to frame, except over
+    /// a seek.
     pub index: u64,
+    /// Place in the stream, from 0: decode order. Equal to `index` in streams of this version.
+    pub decode_index: u64,
     /// I or P.
     pub kind: FrameKind,
-    /// Bytes of the frame's units; a group's key nodes count with its first P-frame.
+    /// Bytes of the frame's units; a GoF's key nodes count with its first P-frame.
     pub bytes: u64,
     /// Number of vertices.
     pub vertices: u32,
@@ -71,6 +75,13 @@ const NO_LEVEL: Level =
 
 /// Decodes a stream from bytes as they arrive. Does no I/O.
 ///
+/// Frames come out in display order. In streams of this version that is the order of decoding, so
+/// the delay is 0 frames: [`Self::poll`] returns a frame as soon as its unit is there. A version
+/// whose P-frames are decoded in another order than they are shown in would keep this contract: it
+/// would return a frame once all frames before it in display order are decoded, after a delay that
+/// the sequence header bounds and that ends with the GoF, and it would hold the decoded frames until
+/// then.
+///
 /// Safe on untrusted input: a stream never causes a panic, an endless loop or an allocation beyond
 /// its [`Limits`]; the faces of a decoded mesh are in range. Decoding is bit-exact: any two
 /// conforming decoders give the same integers, whatever the thread count and the chunking.
@@ -90,8 +101,11 @@ pub struct StreamDecoder {
     intra_decoder: IntraDecoder,
     motion: MotionFrame,
     frame_name: String,
-    /// Index of the next frame.
-    frame: u64,
+    /// Number of frames decoded, those before a seek's target included: the next frame's place in
+    /// decode order.
+    decoded: u64,
+    /// The frame that was returned last.
+    shown: Option<FrameNumbers>,
     /// Bytes of units that belong to the next frame.
     frame_bytes: u64,
     /// Groups so far, to compare with the index.
@@ -115,7 +129,8 @@ impl StreamDecoder {
             intra_decoder: IntraDecoder::default(),
             motion: MotionFrame::default(),
             frame_name: String::new(),
-            frame: 0,
+            decoded: 0,
+            shown: None,
             frame_bytes: 0,
             groups: Vec::new(),
             group_start: 0,
@@ -196,21 +211,22 @@ impl StreamDecoder {
 
     /// The last frame's positions on [`Self::grid`] (`#V × 3`), the same in every decoder.
     pub fn grid_positions(&self) -> &[[i32; 3]] {
-        self.group.reference()
+        self.group.last_positions()
     }
 
-    /// The last frame's faces (`#F × 3`), the same through a group of frames.
+    /// The last frame's faces (`#F × 3`), the same through a GoF.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.group.intra().faces
     }
 
     /// The last frame's name, without extension: its own, or by the sequence's pattern.
     pub fn frame_name(&self) -> Option<String> {
+        let shown = self.shown?;
         if !self.frame_name.is_empty() {
             return Some(self.frame_name.clone());
         }
         let names = self.header.as_ref()?.names.as_ref()?;
-        Some(names.of_frame(u32::try_from(self.frame.checked_sub(1)?).ok()?))
+        Some(names.of_frame(u32::try_from(shown.display).ok()?))
     }
 
     /// Frames per group at most; 0 before the header.
@@ -218,9 +234,9 @@ impl StreamDecoder {
         self.header.as_ref().map_or(0, |header| header.max_group_length)
     }
 
-    /// Frames decoded so far, or the position after a seek.
-    pub(crate) fn frame(&self) -> u64 {
-        self.frame
+    /// Number of frames decoded, those before a seek's target included.
+    pub(crate) fn decoded(&self) -> u64 {
+        self.decoded
     }
 
     /// Bytes that have arrived.
@@ -235,7 +251,8 @@ impl StreamDecoder {
         self.start = 0;
         self.offset = offset;
         self.stage = Stage::BeforeGroup;
-        self.frame = before.iter().map(|group| u64::from(group.frames)).sum();
+        self.decoded = before.iter().map(|group| u64::from(group.frames)).sum();
+        self.shown = None;
         self.frame_bytes = 0;
         self.groups.clear();
         self.groups.extend_from_slice(before);
@@ -372,7 +389,7 @@ impl StreamDecoder {
 
     /// The frame that is being decoded; none before the first.
     fn frame_in_progress(&self) -> Option<u64> {
-        self.header.as_ref().map(|_| self.frame)
+        self.header.as_ref().map(|_| self.decoded)
     }
 
     /// An error of the bitstream, placed in this file.

@@ -160,7 +160,8 @@ impl GroupEncoder {
         self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
         let digests = self.config.digests;
-        let positions_digest = digests.then(|| positions_digest(self.reconstruction.reference()));
+        let positions_digest =
+            digests.then(|| positions_digest(self.reconstruction.last_positions()));
         let frame = IntraFrame {
             header: FrameHeader { name: String::new(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
@@ -266,14 +267,17 @@ impl GroupEncoder {
         out: &mut Vec<u8>,
     ) -> Result<Result<FrameReport, FitFailure>, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: index, reason };
+        let from = self.reconstruction.last();
         let CodedMotion { mut motion, combination, cost, fit_rms } =
-            match self.motion.encode(&mut self.reconstruction, scan).map_err(input)? {
+            match self.motion.encode(&mut self.reconstruction, from, scan).map_err(input)? {
                 Ok(coded) => coded,
                 Err(failure) => return Ok(Err(failure)),
             };
         let context = self.reconstruction.motion_context();
-        self.reconstruction.apply(&motion).map_err(|rule| input(rule.to_string()))?;
-        let positions = self.reconstruction.reference();
+        self.reconstruction
+            .apply(&motion, from)
+            .map_err(|rule| input(rule.to_string()))?;
+        let positions = self.reconstruction.last_positions();
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);

@@ -1,6 +1,6 @@
 //! Motion of P-frames: fit, choose by J = D + λR, quantise.
 
-use crate::decode::Reconstruction;
+use crate::decode::{Reconstruction, Slot};
 use crate::encode::choices::{CombinationChoice, StepChoice};
 use crate::encode::config::EncoderConfig;
 use crate::encode::cost::cheapest;
@@ -69,27 +69,28 @@ impl MotionEncoder {
         self.combination = combination;
     }
 
-    /// The motion from the last decoded frame to `scan`, or why there is none.
+    /// The motion from the decoded frame in `from` to `scan`, or why there is none.
     ///
     /// # Errors
     /// What the fit says.
     pub(crate) fn encode(
         &mut self,
         decoded: &mut Reconstruction,
+        from: Slot,
         scan: &Scan,
     ) -> Result<Result<CodedMotion, FitFailure>, String> {
         let candidates = self.candidates(decoded);
-        let fits = self.fit(decoded, scan, &candidates)?;
+        let fits = self.fit(decoded, from, scan, &candidates)?;
         let sound: Vec<_> =
             candidates.iter().zip(&fits).filter(|(_, fit)| fit.report.failure.is_none()).collect();
         if let (true, Some(failure)) = (sound.is_empty(), fits[0].report.failure) {
             return Ok(Err(failure));
         }
-        let usual = Steps::new(&self.config, self.unit, reach(decoded));
+        let usual = Steps::new(&self.config, self.unit, reach(decoded, from));
         let begin = self.steps.unwrap_or(usual);
         let lambda = self.config.lambda * inherited(self.frames_left);
         self.frames_left = self.frames_left.saturating_sub(1);
-        let mut frame = Frame { config: &self.config, unit: self.unit, usual, decoded, scan };
+        let mut frame = Frame { config: &self.config, unit: self.unit, usual, decoded, from, scan };
         let trials = sound.into_iter().map(|(&combination, fit)| {
             (frame.trial(&frame.in_reference_units(fit), combination, begin), fit)
         });
@@ -128,11 +129,13 @@ impl MotionEncoder {
     fn fit(
         &mut self,
         decoded: &Reconstruction,
+        from: Slot,
         scan: &Scan,
         candidates: &[Combination],
     ) -> Result<Vec<Fit>, String> {
-        to_grid_steps(decoded.reference(), self.unit, &mut self.reference);
-        to_grid_steps(&decoded.nodes().positions, self.unit, &mut self.nodes);
+        let reference = decoded.reference(from);
+        to_grid_steps(&reference.positions, self.unit, &mut self.reference);
+        to_grid_steps(&reference.nodes, self.unit, &mut self.nodes);
         let intra = decoded.intra();
         let source = FitSource {
             positions: &self.reference,
@@ -176,6 +179,8 @@ struct Frame<'a> {
     unit: f64,
     usual: Steps,
     decoded: &'a mut Reconstruction,
+    /// The reference that it is deformed from.
+    from: Slot,
     scan: &'a Scan,
 }
 
@@ -225,7 +230,7 @@ impl Frame<'_> {
         let look = |positions: &[[i32; 3]], faces: &[[u32; 3]]| {
             self.scan.distortion(positions, self.unit, faces)
         };
-        let distortion = self.decoded.preview(motion, look).unwrap_or(f64::INFINITY);
+        let distortion = self.decoded.preview(motion, self.from, look).unwrap_or(f64::INFINITY);
         CostReport::new(distortion, bytes, self.config.lambda)
     }
 
@@ -278,12 +283,13 @@ fn to_grid_steps(reference: &[[i32; 3]], unit: f64, positions: &mut Vec<[f64; 3]
 
 /// How far from its node a vertex is moved by it, in reference units: the weighted mean distance
 /// over every sixteenth vertex and its nodes.
-fn reach(decoded: &Reconstruction) -> f64 {
+fn reach(decoded: &Reconstruction, from: Slot) -> f64 {
     let influence = decoded.influence();
-    let nodes = &decoded.nodes().positions;
+    let reference = decoded.reference(from);
+    let nodes = &reference.nodes;
     let q = influence.nodes_per_vertex;
     let (mut sum, mut total) = (0.0, 0.0);
-    for (vertex, position) in decoded.reference().iter().enumerate().step_by(16) {
+    for (vertex, position) in reference.positions.iter().enumerate().step_by(16) {
         for slot in vertex * q..(vertex + 1) * q {
             let node = nodes[usize::from(influence.nodes[slot])];
             let squared: f64 =

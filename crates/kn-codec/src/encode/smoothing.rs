@@ -22,7 +22,7 @@ pub(crate) fn choose_smoothing(
 ) -> u8 {
     let mut error = |strength| {
         reconstruction.smooth(strength);
-        let reference = reconstruction.reference();
+        let reference = reconstruction.last_positions();
         let faces = &reconstruction.intra().faces;
         let stride = (faces.len() / SAMPLES).max(1);
         // Vertices alone would make noise look larger than it is on the surface between them.

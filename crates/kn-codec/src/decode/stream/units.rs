@@ -5,6 +5,7 @@ use crate::decode::reconstruction::Reconstruction;
 use crate::digest::{faces_digest, positions_digest};
 use crate::error::{DecodeError, DecodeErrorKind};
 use crate::intra::{IntraError, IntraLimits, decode_intra};
+use crate::order::FrameNumbers;
 use kn_bitstream::params::LabelSet;
 use kn_bitstream::unit::{self, Unit};
 use kn_bitstream::{
@@ -139,7 +140,9 @@ impl StreamDecoder {
         let result = motion.read(&mut bits, &context).and_then(|()| bits.finish());
         self.motion = motion;
         result.map_err(|error| self.at(error))?;
-        self.group.apply(&self.motion).map_err(|rule| self.malformed(rule, at))?;
+        // `reference_mode` is 0.
+        let from = self.group.last();
+        self.group.apply(&self.motion, from).map_err(|rule| self.malformed(rule, at))?;
         let header = std::mem::take(&mut self.motion.header);
         let shown = self.show(&header);
         self.motion.header = header;
@@ -164,7 +167,7 @@ impl StreamDecoder {
 
     /// The frame of the current unit differs from a digest in it.
     fn differs(&self, rule: Rule) -> DecodeError {
-        DecodeErrorKind::Digest { rule, at: 8 * self.offset, frame: self.frame }.into()
+        DecodeErrorKind::Digest { rule, at: 8 * self.offset, frame: self.decoded }.into()
     }
 
     fn finish_frame(&mut self, kind: FrameKind) -> Step {
@@ -176,15 +179,18 @@ impl StreamDecoder {
             FrameKind::Intra => 0,
             FrameKind::Predicted => self.group.nodes().positions.len() as u32,
         };
+        let numbers = FrameNumbers::in_order(self.decoded);
         let info = FrameInfo {
-            index: self.frame,
+            index: numbers.display,
+            decode_index: numbers.decode,
             kind,
             bytes: self.frame_bytes,
             vertices: self.grid_positions().len() as u32,
             faces: self.faces().len() as u32,
             nodes,
         };
-        self.frame += 1;
+        self.decoded += 1;
+        self.shown = Some(numbers);
         self.frame_bytes = 0;
         Step::Frame(info)
     }
