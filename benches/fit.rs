@@ -66,8 +66,12 @@ fn fit(criterion: &mut Criterion) {
         affine: &rigid,
         bind: &bound,
     };
-    let generate =
-        GenerateOptions { count: NodeCount::Exactly(150), rank_by: RankBy::Distance, fit: options };
+    let generate = GenerateOptions {
+        count: NodeCount::Exactly(150),
+        rank_by: RankBy::Distance,
+        fit: options,
+        explains: &|_| true,
+    };
     group.bench_function("generator", |b| {
         b.iter(|| generate_nodes(&places, black_box(&prepared), &generate));
     });

@@ -22,8 +22,9 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
     AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, Finished, FormError, FrameReport, GridChoice, LabelChoice, NodeChoice,
-    NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
+    EncoderConfig, FailureTuning, Finished, FitFailure, FormError, FrameReport, GridChoice,
+    LabelChoice, NodeChoice, NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport,
+    Summary, TranslationChoice, Worst,
 };
 
 #[cfg(feature = "encode")]

@@ -5,9 +5,9 @@ use crate::coarse;
 use crate::deformed::Deformed;
 use crate::energy::{Energy, minimise};
 use crate::error::{FitError, Side};
-use crate::failure::{Outcome, Watch};
 use crate::group::{Group, mean_edge};
 use crate::matching::{Correspondences, Hints, Matches, push_matches, quantile};
+use crate::measures::Outcome;
 use crate::options::{FitOptions, PartStart};
 use crate::parts;
 use crate::quadratic::{Observations, QuadraticForm};
@@ -55,7 +55,6 @@ pub struct Fitter {
     deformed: Deformed,
     hints: Hints,
     previous: Option<Vec<NodeTransform>>,
-    watch: Watch,
 }
 
 /// One frame's task.
@@ -77,7 +76,6 @@ impl Fitter {
         let group = Group::new(source)?;
         Ok(Self {
             form: QuadraticForm::new(&group.pattern),
-            watch: Watch::new(&group.edges, source.positions),
             group,
             factor: BlockCholesky::default(),
             observations: Observations::default(),
@@ -93,7 +91,7 @@ impl Fitter {
     ///
     /// # Errors
     /// Arrays that do not fit together, see [`FitError`]. A frame that is hard to fit is no error:
-    /// see [`FitReport::failure`].
+    /// see [`FitReport::measures`].
     pub fn fit_frame(
         &mut self,
         source: &FitSource,
@@ -105,7 +103,6 @@ impl Fitter {
         let frame = Frame { source, target, options, combinations: &combinations };
         let (transforms, mut report) = self.track(frame)?;
         self.measure(frame, &mut report)?;
-        self.watch.remember(&report);
         self.previous = Some(transforms.clone());
         Ok(Fit { transforms, report })
     }
@@ -139,7 +136,6 @@ impl Fitter {
             self.measure(frame, &mut report)?;
             fits.push(Fit { transforms, report });
         }
-        fits.iter().for_each(|fit| self.watch.remember(&fit.report));
         self.previous = Some(transforms);
         Ok(fits)
     }
@@ -351,18 +347,13 @@ impl Fitter {
         minimise(energy, elimination, &self.factor, effort.iterations, transforms)
     }
 
-    /// Residuals to the surfaces, and whether they say that something is missing.
+    /// Residuals to the surfaces, and what is missing where the options ask for that.
     fn measure(&mut self, frame: Frame, report: &mut FitReport) -> Result<(), FitError> {
         let matches = self.on_surfaces(frame, true, None)?;
         report.measure(&self.group, frame.target, &matches);
-        let outcome = Outcome {
-            group: &self.group,
-            deformed: &self.deformed,
-            target: frame.target,
-            matches: &matches,
-            report,
-        };
-        report.failure = self.watch.judge(&outcome);
+        let (group, deformed, target) = (&self.group, &self.deformed, frame.target);
+        let outcome = Outcome { group, deformed, target, matches: &matches };
+        report.measures = frame.options.measures.map(|options| outcome.measure(&options));
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ mod trial;
 
 use crate::error::FitError;
 use crate::options::FitOptions;
+use crate::report::FitReport;
 use crate::source::check_length;
 use crate::target::FitTarget;
 use kn_deform::Influence;
@@ -32,8 +33,11 @@ pub struct NodeSource<'a> {
 pub enum NodeCount {
     /// So many, as far as the mesh has vertices for them.
     Exactly(usize),
-    /// As many as pay, of one for 60 vertices and at least one for every region.
+    /// As many as pay, at least one for every region.
     Paying {
+        /// The number that the search begins with: those that do not pay go. At least one for every
+        /// region, at most `most`.
+        dense: usize,
         /// The largest number, regions or not.
         most: usize,
         /// By which share the mean squared distance to the key frame must rise where a node goes and
@@ -53,20 +57,20 @@ pub enum RankBy {
 }
 
 /// How nodes are chosen, and how frames are fitted.
-#[derive(Clone, Copy, Debug)]
-pub struct GenerateOptions {
+#[derive(Clone, Copy)]
+pub struct GenerateOptions<'a> {
     /// The number of nodes.
     pub count: NodeCount,
     /// Where they are inserted.
     pub rank_by: RankBy,
     /// How the key frame is fitted.
     pub fit: FitOptions,
+    /// Whether the motion of a fit explains the key frame.
+    pub explains: &'a dyn Fn(&FitReport) -> bool,
 }
 
 /// The dense set has this many nodes for each one that is wanted.
 const DENSITY: f64 = 1.15;
-/// Where the number is by cost, the dense set has one node for this many vertices.
-const VERTICES_PER_NODE: usize = 60;
 /// One round removes at most this share of the nodes.
 const REMOVED_SHARE: f64 = 0.3;
 /// The number by cost is found when less than this share goes in a round.
@@ -102,14 +106,14 @@ pub fn generate_nodes(
     options: &GenerateOptions,
 ) -> Result<Option<Vec<u32>>, FitError> {
     check_length("affine", source.affine.len(), source.positions.len())?;
-    let setting = Setting::new(source, key, &options.fit);
+    let setting = Setting::new(source, key, options);
     let setting = match options.rank_by {
         RankBy::Distance => setting,
         RankBy::Msdm2 => setting.with_msdm2()?,
     };
     let count = match options.count {
         NodeCount::Exactly(count) => count,
-        NodeCount::Paying { most, price } => match paying(&setting, most, price)? {
+        NodeCount::Paying { dense, most, price } => match paying(&setting, [dense, most], price)? {
             Some(count) => count,
             None => return Ok(None),
         },
@@ -143,11 +147,14 @@ pub fn generate_nodes(
 
 /// How many nodes are worth their price: those that are not go from a dense set, until what is
 /// left pays. `None` where the key frame cannot be tracked.
-fn paying(setting: &Setting, most: usize, price: f64) -> Result<Option<usize>, FitError> {
+fn paying(
+    setting: &Setting,
+    [dense, most]: [usize; 2],
+    price: f64,
+) -> Result<Option<usize>, FitError> {
     // A region without a node would follow those of another.
     let least = setting.regions().min(most);
-    let dense = (setting.vertices() / VERTICES_PER_NODE).clamp(least, most);
-    let mut trial = Trial::dense(setting, dense)?;
+    let mut trial = Trial::dense(setting, dense.clamp(least, most))?;
     if trial.failed {
         return Ok(None);
     }

@@ -22,6 +22,8 @@ pub(crate) struct Group {
     pub(crate) pairs: Vec<(u16, u16)>,
     /// Vertices and number of faces of each edge.
     pub(crate) edges: Vec<(u32, u32, u32)>,
+    /// Length of each edge in the first reference.
+    pub(crate) edge_lengths: Vec<f64>,
     pub(crate) boundary: Vec<bool>,
     /// `#V` of the first reference, see [`reach`].
     pub(crate) reach: Vec<f64>,
@@ -55,7 +57,9 @@ impl Group {
             together.add_clique(&nodes);
         }
         let pattern = BlockPattern::new(&together, source.nodes.len());
+        let place = |v: u32| source.positions[v as usize];
         Ok(Self {
+            edge_lengths: edges.iter().map(|&(a, b, _)| distance(place(a), place(b))).collect(),
             elimination: Elimination::new(&pattern),
             pattern,
             pairs,

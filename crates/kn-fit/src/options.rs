@@ -1,6 +1,7 @@
 //! What a caller can choose. Every number is free of units: the same values serve metres,
 //! millimetres and grid steps, five nodes and five hundred.
 
+use crate::measures::MeasureOptions;
 use kn_bitstream::params::{Combination, NameError, Named};
 use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
 
@@ -54,6 +55,8 @@ pub struct FitOptions {
     pub max_steps: usize,
     /// Whether labelled parts are aligned first.
     pub part_start: PartStart,
+    /// Whether and how it is measured what the motion leaves unexplained.
+    pub measures: Option<MeasureOptions>,
 }
 
 impl Default for FitOptions {
@@ -65,6 +68,7 @@ impl Default for FitOptions {
             tangential: 0.05,
             max_steps: 40,
             part_start: PartStart::Auto,
+            measures: None,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! What a fit says about itself.
 
-use crate::failure::FitFailure;
 use crate::group::Group;
 use crate::matching::{Correspondences, Match};
+use crate::measures::FitMeasures;
 use crate::sample::Sample;
 use crate::target::FitTarget;
 use kn_deform::NodeTransform;
@@ -29,8 +29,8 @@ pub struct FitReport {
     pub source_to_target: Residuals,
     /// From the target to the deformed source's surface.
     pub target_to_source: Residuals,
-    /// Why the motion does not explain the frame, where it does not.
-    pub failure: Option<FitFailure>,
+    /// What the motion leaves unexplained, where [`crate::FitOptions::measures`] asks for it.
+    pub measures: Option<FitMeasures>,
 }
 
 /// Distances of one direction, weighted by area where it says so.

@@ -76,7 +76,6 @@ fn add_island(mesh: &mut Mesh, dice: &mut Dice) {
 fn every_pair_is_registered() {
     let asked = std::env::var("KN_RANDOM_PAIRS").ok().and_then(|text| text.parse().ok());
     let pairs = asked.unwrap_or(PAIRS);
-    let mut explained = 0;
     for seed in 0..pairs {
         let mut dice = Dice(seed);
         let actions = [Action::Poses, Action::Dance, Action::Turn, Action::Walk];
@@ -104,7 +103,6 @@ fn every_pair_is_registered() {
             let numbers = [residuals.rms, residuals.p95, residuals.max, residuals.unmatched];
             assert!(numbers.iter().all(|n| n.is_finite()), "seed {seed}: {residuals:?}");
         }
-        explained += u64::from(result.report.failure.is_none());
     }
-    eprintln!("{pairs} pairs registered, {explained} of them explained by the motion");
+    eprintln!("{pairs} pairs registered");
 }

@@ -6,7 +6,8 @@ use crate::output::print;
 use crate::outputs::Outputs;
 use crate::table::table;
 use anyhow::{Context, Result, anyhow, ensure};
-use kn_fit::{FitError, RegisterOptions, Registration, Side, register};
+use kn_codec::{FailureTuning, Worst};
+use kn_fit::{FitError, FitOptions, RegisterOptions, Registration, Side, register};
 use kn_io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
 use kn_mesh::{Cleaned, Mesh, clean};
 use kn_metrics::{Distances, TriangleTree, distances_to_surface};
@@ -94,7 +95,8 @@ pub(crate) fn run(arguments: &RegisterArguments, global: &Global) -> Result<Outc
         seconds,
     };
     write_mesh(&arguments.output, &deformed)?;
-    if let Some(failure) = registration.report.failure {
+    let tuning = FailureTuning::default();
+    if let Some(failure) = tuning.judge(&registration.report, &Worst::default()) {
         global.note(format_args!("{}: not explained: {failure}", arguments.target.display()));
     }
     measured.print(arguments.json)?;
@@ -117,7 +119,9 @@ impl RegisterArguments {
     fn deform(&self, source: &Mesh, target: &Mesh) -> Result<(Mesh, Registration)> {
         // Seams of a scan are cuts that would gape; what is welded comes out at all its places.
         let (from, to) = (cleaned(source, &self.source)?, cleaned(target, &self.target)?);
-        let options = RegisterOptions { nodes: self.nodes.into(), ..RegisterOptions::default() };
+        let measures = Some(FailureTuning::default().measures);
+        let fit = FitOptions { measures, ..FitOptions::default() };
+        let options = RegisterOptions { nodes: self.nodes.into(), fit };
         let (positions, aims) = (from.mesh.positions_f64(), to.mesh.positions_f64());
         let registration = register(&positions, &from.mesh.faces, &aims, &to.mesh.faces, &options)
             .map_err(|error| self.name_file(error))?;

@@ -2,15 +2,10 @@
 //! that vertices stay where they are and keep their labels. Not normative.
 
 use crate::encode::choices::Decimation;
+use crate::encode::tuning::DecimationTuning;
 use kn_mesh::{Mesh, VertexMap};
 use kn_metrics::{TriangleTree, distances_to_surface};
 use meshopt::SimplifyOptions;
-
-/// What crossing a border between labels weighs: as much as an error of this part of the box's
-/// longest side. Borders then move about as far as the surface does at a quarter of the faces.
-const LABEL_WEIGHT: f32 = 1e-3;
-/// How often a bound on the error is tightened until the measured error keeps it.
-const ATTEMPTS: usize = 8;
 
 /// A coarser mesh, and what it cost.
 pub(crate) struct Decimated {
@@ -23,22 +18,29 @@ pub(crate) struct Decimated {
 
 /// Decimates `mesh` (faces in range, coordinates finite) as far as `decimation` says. Topology can
 /// stop it above the number of faces asked for. `None` where no face would go.
-pub(crate) fn decimate(mesh: &Mesh, decimation: Decimation) -> Option<Decimated> {
+pub(crate) fn decimate(
+    mesh: &Mesh,
+    decimation: Decimation,
+    tuning: &DecimationTuning,
+) -> Option<Decimated> {
     let faces = mesh.faces.len();
-    let within = |target: usize| (target < faces).then(|| collapse(mesh, target, Bound::None));
+    let weight = tuning.label_weight;
+    let within =
+        |target: usize| (target < faces).then(|| collapse(mesh, target, Bound::None, weight));
     match decimation {
         Decimation::Faces(target) => within(target as usize)?.measured(mesh),
         Decimation::Share(share) => within((faces as f64 * share) as usize)?.measured(mesh),
-        Decimation::Error(limit) => up_to(mesh, limit),
+        Decimation::Error(limit) => up_to(mesh, limit, tuning),
     }
 }
 
 /// The quadric error is a mean over planes: its bound is lowered until the largest distance, as
 /// measured, is within `limit`.
-fn up_to(mesh: &Mesh, limit: f64) -> Option<Decimated> {
+fn up_to(mesh: &Mesh, limit: f64, tuning: &DecimationTuning) -> Option<Decimated> {
     let mut bound = limit;
-    for _ in 0..ATTEMPTS {
-        let decimated = collapse(mesh, 0, Bound::Absolute(bound as f32)).measured(mesh)?;
+    for _ in 0..tuning.attempts {
+        let bounded = collapse(mesh, 0, Bound::Absolute(bound as f32), tuning.label_weight);
+        let decimated = bounded.measured(mesh)?;
         if decimated.error <= limit {
             return Some(decimated);
         }
@@ -55,12 +57,12 @@ enum Bound {
 /// The faces that are left, in the input's vertices.
 struct Collapsed(Vec<[u32; 3]>);
 
-fn collapse(mesh: &Mesh, target: usize, bound: Bound) -> Collapsed {
+fn collapse(mesh: &Mesh, target: usize, bound: Bound, label_weight: f32) -> Collapsed {
     let (error, options) = match bound {
         Bound::None => (f32::MAX, SimplifyOptions::None),
         Bound::Absolute(error) => (error, SimplifyOptions::ErrorAbsolute),
     };
-    let (labels, weights) = label_attributes(&mesh.labels);
+    let (labels, weights) = label_attributes(&mesh.labels, label_weight);
     let unlocked = vec![false; mesh.positions.len()];
     let corners = meshopt::simplify_with_attributes_and_locks_decoder(
         mesh.faces.as_flattened(),
@@ -78,7 +80,7 @@ fn collapse(mesh: &Mesh, target: usize, bound: Bound) -> Collapsed {
 }
 
 /// `#V × #L` for each label that occurs whether a vertex has it, and `#L` what that weighs.
-fn label_attributes(labels: &[u8]) -> (Vec<f32>, Vec<f32>) {
+fn label_attributes(labels: &[u8], weight: f32) -> (Vec<f32>, Vec<f32>) {
     let mut present = labels.to_vec();
     present.sort_unstable();
     present.dedup();
@@ -86,7 +88,7 @@ fn label_attributes(labels: &[u8]) -> (Vec<f32>, Vec<f32>) {
         let own = *label;
         present.iter().map(move |&one| if one == own { 1.0 } else { 0.0 })
     };
-    (labels.iter().flat_map(row).collect(), vec![LABEL_WEIGHT; present.len()])
+    (labels.iter().flat_map(row).collect(), vec![weight; present.len()])
 }
 
 impl Collapsed {
@@ -117,6 +119,10 @@ mod tests {
         Performer::new(config).expect("sound settings").frame(0)
     }
 
+    fn coarser(mesh: &Mesh, decimation: Decimation) -> Option<Decimated> {
+        decimate(mesh, decimation, &DecimationTuning::default())
+    }
+
     /// Edges that only one face has, and their length in all.
     fn boundary(mesh: &Mesh) -> (usize, f64) {
         let mut edges: Vec<_> = mesh
@@ -137,7 +143,7 @@ mod tests {
     #[test]
     fn vertices_keep_their_place_and_their_label() {
         let mesh = figure();
-        let coarse = decimate(&mesh, Decimation::Share(0.25)).expect("coarser");
+        let coarse = coarser(&mesh, Decimation::Share(0.25)).expect("coarser");
         assert!(coarse.mesh.faces.len() * 4 <= mesh.faces.len());
         assert!(coarse.mesh.faces.len() * 5 > mesh.faces.len());
         let mut kept = 0;
@@ -156,7 +162,7 @@ mod tests {
     #[test]
     fn boundaries_and_borders_between_labels_stay() {
         let mesh = figure();
-        let coarse = decimate(&mesh, Decimation::Share(0.25)).expect("coarser").mesh;
+        let coarse = coarser(&mesh, Decimation::Share(0.25)).expect("coarser").mesh;
         let (before, after) = (boundary(&mesh), boundary(&coarse));
         assert!(after.0 < before.0, "boundaries are coarser too");
         assert!((after.1 / before.1 - 1.0).abs() < 0.1, "{after:?} for {before:?}");
@@ -182,7 +188,7 @@ mod tests {
     fn an_error_is_a_bound_on_the_largest_distance() {
         let mesh = figure();
         let limit = 1e-3 * mesh.bounding_box().expect("a box").diagonal();
-        let coarse = decimate(&mesh, Decimation::Error(limit)).expect("coarser");
+        let coarse = coarser(&mesh, Decimation::Error(limit)).expect("coarser");
         assert!(coarse.error <= limit);
         assert!(coarse.mesh.faces.len() * 10 < mesh.faces.len() * 9);
     }
@@ -190,7 +196,7 @@ mod tests {
     #[test]
     fn nothing_to_do_is_none() {
         let mesh = figure();
-        assert!(decimate(&mesh, Decimation::Faces(mesh.faces.len() as u32)).is_none());
-        assert!(decimate(&mesh, Decimation::Error(1e-12)).is_none());
+        assert!(coarser(&mesh, Decimation::Faces(mesh.faces.len() as u32)).is_none());
+        assert!(coarser(&mesh, Decimation::Error(1e-12)).is_none());
     }
 }

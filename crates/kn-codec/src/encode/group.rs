@@ -1,30 +1,35 @@
 //! One group of frames in a closed loop: what is coded is decoded again by the decoder's own
 //! reconstruction, and that is what later frames refer to.
 
-use crate::decode::{FrameKind, Reconstruction};
+use crate::decode::{FrameKind, Reconstruction, Slot};
 use crate::digest::{faces_digest, positions_digest};
 use crate::encode::choices::{CombinationChoice, DistortionMeasure, SmoothingChoice};
 use crate::encode::config::{EncoderConfig, GridChoice};
 use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
+use crate::encode::failure::FitFailure;
+use crate::encode::frame_settings::{FramePlace, FrameSettings, frame_settings};
 use crate::encode::motion::{CodedMotion, MotionEncoder, is_by_cost};
 use crate::encode::nodes::NodeChooser;
 use crate::encode::report::{CostReport, FrameReport, StepReport};
-use crate::encode::scan::{Scan, Scans, to_grid_steps};
+use crate::encode::scan::{Scan, ScanOptions, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
+use crate::encode::tuning::Tuning;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use crate::order::FrameNumbers;
 use kn_bitstream::params::{BodyPart, Combination};
 use kn_bitstream::unit::{self, write_unit};
 use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
 use kn_deform::BindError;
-use kn_fit::{FitError, FitFailure};
+use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
 use kn_metrics::TriangleTree;
 
 /// Encodes groups of frames of one sequence, one after the other.
 pub(crate) struct GroupEncoder {
     config: EncoderConfig,
+    tuning: Tuning,
     header: SequenceHeader,
     grid: Grid,
     reconstruction: Reconstruction,
@@ -37,11 +42,13 @@ pub(crate) struct GroupEncoder {
 
 impl GroupEncoder {
     pub(crate) fn new(config: EncoderConfig, header: SequenceHeader) -> Self {
+        let tuning = Tuning::default();
         Self {
             grid: Grid { origin: header.grid_origin, step: header.grid_step },
             reconstruction: Reconstruction::new(&header),
-            motion: MotionEncoder::new(&config, &header),
+            motion: MotionEncoder::new(&config, tuning, &header),
             config,
+            tuning,
             header,
             intra_decoder: IntraDecoder::default(),
             payload: Vec::new(),
@@ -49,9 +56,9 @@ impl GroupEncoder {
         }
     }
 
-    /// Appends the units of a group to `out` and a report per frame to `reports`; returns the
-    /// number of frames in the group, which ends before a frame that its motion does not explain.
-    /// `first` is the index of the group's first frame.
+    /// Appends the units of a GoF to `out` and a report per frame to `reports`, both in decode
+    /// order; returns the number of frames in the GoF, which ends before a frame that its motion does
+    /// not explain. `first` frames come before it.
     ///
     /// # Errors
     /// A frame that cannot be coded.
@@ -63,11 +70,12 @@ impl GroupEncoder {
         reports: &mut Vec<FrameReport>,
     ) -> Result<usize, EncodeError> {
         let [intra, predicted @ ..] = frames else { return Ok(0) };
-        reports.push(self.encode_intra_frame(intra, first, out)?);
+        let numbers = FrameNumbers::in_order(first);
+        reports.push(self.encode_intra_frame(intra, numbers, out)?);
         if predicted.is_empty() {
             return Ok(1);
         }
-        let mut scans = Scans::new(predicted, self.grid, measure_of(&self.config), first + 1);
+        let mut scans = Scans::new(predicted, self.scan_options(), first + 1);
         let mut units = Vec::new();
         let node_bytes = self.encode_key_nodes(&mut scans, &mut units)?;
         let mut pass = self.encode_predicted(&scans)?;
@@ -108,15 +116,23 @@ impl GroupEncoder {
         scans: &Scans,
         combination: Option<Combination>,
     ) -> Result<Pass, EncodeError> {
-        self.motion.begin(scans.len(), combination);
+        self.motion.begin(combination);
         let mut pass = Pass::default();
+        let of = scans.len();
         let mut scan = scans.get(0)?;
-        for offset in 0..scans.len() {
-            let next = offset + 1;
+        for number in 0..of {
+            let next = number + 1;
+            let task = FrameTask {
+                numbers: FrameNumbers::in_order(scans.frame(number).0),
+                from: self.reconstruction.last(),
+                settings: frame_settings(&self.config, FramePlace { number, of }),
+                scan: &scan,
+                input_faces: scans.frame(number).1,
+            };
             // The next scan is prepared while this one is fitted to.
             let (report, next_scan) = rayon::join(
-                || self.encode_motion_frame(&scan, scans.frame(offset), &mut pass.units),
-                || (next < scans.len()).then(|| scans.get(next)).transpose(),
+                || self.encode_motion_frame(task, &mut pass.units),
+                || (next < of).then(|| scans.get(next)).transpose(),
             );
             match report? {
                 Ok(report) => pass.reports.push(report),
@@ -135,28 +151,19 @@ impl GroupEncoder {
     fn encode_intra_frame(
         &mut self,
         mesh: &Mesh,
-        index: u64,
+        numbers: FrameNumbers,
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
-        let input = |reason: String| EncodeError::Input { frame: index, reason };
-        let decimated = self.config.decimation.and_then(|decimation| decimate(mesh, decimation));
+        let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
+        let tuning = &self.tuning.decimation;
+        let decimated = self.config.decimation.and_then(|how| decimate(mesh, how, tuning));
         let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
         let coded = self.on_grid(coarse).map_err(input)?;
         self.payload.clear();
         let encoding = encode_intra(&coded, &mut self.payload);
         let encoding = encoding.map_err(|error| input(error.to_string()))?;
         self.decode_payload().map_err(input)?;
-        let smoothing = match self.config.smoothing {
-            // Positions are the input's to the last bit.
-            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
-            SmoothingChoice::Strength(strength) => strength,
-            SmoothingChoice::Auto => {
-                let unit = f64::from(1_u32 << self.header.fraction_bits);
-                let positions = to_grid_steps(&mesh.positions, self.grid);
-                TriangleTree::new(&positions, &mesh.faces)
-                    .map_or(0, |scan| choose_smoothing(&mut self.reconstruction, &scan, unit))
-            }
-        };
+        let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
         let digests = self.config.digests;
@@ -171,7 +178,8 @@ impl GroupEncoder {
         let mut bits = BitWriter::new();
         frame.write(&mut bits);
         Ok(FrameReport {
-            index,
+            index: numbers.display,
+            decode_index: numbers.decode,
             kind: FrameKind::Intra,
             bytes: append_unit(out, unit::INTRA_FRAME, bits),
             node_bytes: 0,
@@ -193,6 +201,30 @@ impl GroupEncoder {
             parts: None,
             reason: self.reason.take(),
         })
+    }
+
+    /// The strength of smoothing of the I-frame that the reconstruction has decoded; `mesh` is the
+    /// scan.
+    fn smoothing(&mut self, mesh: &Mesh) -> u8 {
+        match self.config.smoothing {
+            // Positions are the input's to the last bit.
+            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
+            SmoothingChoice::Strength(strength) => strength,
+            SmoothingChoice::Auto => {
+                let unit = f64::from(1_u32 << self.header.fraction_bits);
+                let positions = to_grid_steps(&mesh.positions, self.grid);
+                let Ok(scan) = TriangleTree::new(&positions, &mesh.faces) else { return 0 };
+                choose_smoothing(&mut self.reconstruction, &scan, unit, &self.tuning.smoothing)
+            }
+        }
+    }
+
+    fn scan_options(&self) -> ScanOptions {
+        ScanOptions {
+            grid: self.grid,
+            measure: measure_of(&self.config),
+            tuning: self.tuning.surrogate,
+        }
     }
 
     /// The mesh on the sequence's grid; in lossless mode, a mesh that is there already.
@@ -227,7 +259,7 @@ impl GroupEncoder {
         let frame = scans.frame(0).0;
         let input = |reason: String| EncodeError::Input { frame, reason };
         let intra = self.reconstruction.intra();
-        let chooser = NodeChooser::new(&self.config, &self.header.labels, intra);
+        let chooser = NodeChooser::new(&self.config, &self.tuning, &self.header.labels, intra);
         let fail = |error: FitError| match error {
             FitError::Bind(BindError::RegionWithoutNodes { vertex, .. }) => {
                 input(without_nodes(intra.labels.get(vertex)))
@@ -262,28 +294,27 @@ impl GroupEncoder {
     /// A P-frame, or why the motion does not explain it: then nothing is coded.
     fn encode_motion_frame(
         &mut self,
-        scan: &Scan,
-        (index, input_faces): (u64, u32),
+        task: FrameTask<'_>,
         out: &mut Vec<u8>,
     ) -> Result<Result<FrameReport, FitFailure>, EncodeError> {
-        let input = |reason: String| EncodeError::Input { frame: index, reason };
-        let from = self.reconstruction.last();
+        let FrameTask { numbers, from, settings, scan, input_faces } = task;
+        let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
+        let decoded = &mut self.reconstruction;
         let CodedMotion { mut motion, combination, cost, fit_rms } =
-            match self.motion.encode(&mut self.reconstruction, from, scan).map_err(input)? {
+            match self.motion.encode(decoded, from, scan, &settings).map_err(input)? {
                 Ok(coded) => coded,
                 Err(failure) => return Ok(Err(failure)),
             };
         let context = self.reconstruction.motion_context();
-        self.reconstruction
-            .apply(&motion, from)
-            .map_err(|rule| input(rule.to_string()))?;
+        self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.to_string()))?;
         let positions = self.reconstruction.last_positions();
         motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
         Ok(Ok(FrameReport {
-            index,
+            index: numbers.display,
+            decode_index: numbers.decode,
             kind: FrameKind::Predicted,
             bytes: append_unit(out, unit::MOTION_FRAME, bits),
             node_bytes: 0,
@@ -305,7 +336,17 @@ impl GroupEncoder {
     }
 }
 
-/// P-frames of a group, coded in one way.
+/// A P-frame that is to be coded.
+struct FrameTask<'a> {
+    numbers: FrameNumbers,
+    /// The reference that it is deformed from.
+    from: Slot,
+    settings: FrameSettings,
+    scan: &'a Scan,
+    input_faces: u32,
+}
+
+/// P-frames of a GoF, coded in one way.
 #[derive(Default)]
 struct Pass {
     units: Vec<u8>,

@@ -5,6 +5,8 @@ mod config;
 mod cost;
 mod decimate;
 mod encoder;
+mod failure;
+mod frame_settings;
 mod group;
 mod labels;
 mod motion;
@@ -16,6 +18,7 @@ mod scan;
 mod sequence;
 mod smoothing;
 mod translation;
+mod tuning;
 
 pub use choices::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, FormError, LabelChoice,
@@ -23,5 +26,6 @@ pub use choices::{
 };
 pub use config::{EncoderConfig, GridChoice};
 pub use encoder::{Encoder, Finished};
+pub use failure::{FailureTuning, FitFailure, Worst};
 pub use preset::Preset;
 pub use report::{CostReport, FrameReport, StepReport, Summary};

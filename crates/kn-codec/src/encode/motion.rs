@@ -1,33 +1,32 @@
 //! Motion of P-frames: fit, choose by J = D + λR, quantise.
 
 use crate::decode::{Reconstruction, Slot};
-use crate::encode::choices::{CombinationChoice, StepChoice};
+use crate::encode::choices::{CombinationChoice, StepChoice, TranslationChoice};
 use crate::encode::config::EncoderConfig;
 use crate::encode::cost::cheapest;
-use crate::encode::quantise::{StepGroup, Steps, quantise_parameters};
+use crate::encode::failure::{FitFailure, Worst};
+use crate::encode::frame_settings::FrameSettings;
+use crate::encode::quantise::{StepComponents, StepRange, Steps, quantise_parameters};
 use crate::encode::report::CostReport;
 use crate::encode::scan::Scan;
 use crate::encode::translation::code_translations;
+use crate::encode::tuning::{StepTuning, Tuning};
 use kn_bitstream::params::Combination;
 use kn_bitstream::{BitWriter, MotionFrame, SequenceHeader};
 use kn_deform::NodeTransform;
-use kn_fit::{Fit, FitFailure, FitOptions, FitSource, Fitter};
+use kn_fit::{Fit, FitOptions, FitSource, Fitter};
 
-/// A step is chosen in so many rounds over its components ...
-const ROUNDS: usize = 2;
-/// ... and changes by half an octave at a time.
-const STRIDE: i8 = 2;
-
-/// Codes the P-frames of a group, one after the other.
+/// Codes the P-frames of a GoF, one after the other.
 pub(crate) struct MotionEncoder {
     config: EncoderConfig,
+    tuning: Tuning,
     /// Reference units in a grid step.
     unit: f64,
     fitter: Option<Fitter>,
-    /// The combination of the group's frames, where it is known.
+    /// What the GoF's next frame is judged against.
+    worst: Worst,
+    /// The combination of the GoF's frames, where it is known.
     combination: Option<Combination>,
-    /// P-frames of the group that are still to come, this one among them.
-    frames_left: usize,
     /// Where the search for this frame's steps begins.
     steps: Option<Steps>,
     /// `#V × 3`, the reference in grid steps.
@@ -48,23 +47,24 @@ pub(crate) struct CodedMotion {
 }
 
 impl MotionEncoder {
-    pub(crate) fn new(config: &EncoderConfig, header: &SequenceHeader) -> Self {
+    pub(crate) fn new(config: &EncoderConfig, tuning: Tuning, header: &SequenceHeader) -> Self {
         Self {
             config: config.clone(),
+            tuning,
             unit: f64::from(1_u32 << header.fraction_bits),
             fitter: None,
+            worst: Worst::default(),
             combination: None,
-            frames_left: 0,
             steps: None,
             reference: Vec::new(),
             nodes: Vec::new(),
         }
     }
 
-    /// Begins a group with so many P-frames; `combination` where one was chosen for all of it.
-    pub(crate) fn begin(&mut self, frames: usize, combination: Option<Combination>) {
-        self.frames_left = frames;
+    /// Begins a GoF; `combination` where one was chosen for all of it.
+    pub(crate) fn begin(&mut self, combination: Option<Combination>) {
         self.fitter = None;
+        self.worst = Worst::default();
         self.steps = None;
         self.combination = combination;
     }
@@ -78,23 +78,22 @@ impl MotionEncoder {
         decoded: &mut Reconstruction,
         from: Slot,
         scan: &Scan,
+        settings: &FrameSettings,
     ) -> Result<Result<CodedMotion, FitFailure>, String> {
         let candidates = self.candidates(decoded);
         let fits = self.fit(decoded, from, scan, &candidates)?;
-        let sound: Vec<_> =
-            candidates.iter().zip(&fits).filter(|(_, fit)| fit.report.failure.is_none()).collect();
-        if let (true, Some(failure)) = (sound.is_empty(), fits[0].report.failure) {
-            return Ok(Err(failure));
-        }
-        let usual = Steps::new(&self.config, self.unit, reach(decoded, from));
-        let begin = self.steps.unwrap_or(usual);
-        let lambda = self.config.lambda * inherited(self.frames_left);
-        self.frames_left = self.frames_left.saturating_sub(1);
-        let mut frame = Frame { config: &self.config, unit: self.unit, usual, decoded, from, scan };
-        let trials = sound.into_iter().map(|(&combination, fit)| {
-            (frame.trial(&frame.in_reference_units(fit), combination, begin), fit)
+        let explained = match self.explained(&fits) {
+            Ok(explained) => explained,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let mut frame = self.frame(decoded, from, scan, settings);
+        let begin = self.steps.unwrap_or(frame.range.usual);
+        let trials = explained.into_iter().map(|index| {
+            let fit = &fits[index];
+            (frame.trial(&frame.in_reference_units(fit), candidates[index], begin), fit)
         });
         let trials: Vec<(Trial, &Fit)> = trials.collect();
+        let lambda = settings.component_lambda;
         let Some((trial, fit)) = cheapest(trials, |(trial, _)| trial.cost.with_lambda(lambda))
         else {
             return Err("there is no combination to choose".into());
@@ -110,6 +109,42 @@ impl MotionEncoder {
             fit_rms: fit.report.source_to_target.rms,
             motion: trial.motion,
         }))
+    }
+
+    /// Which of the candidates' fits explain the frame; why the first does not, where none does.
+    fn explained(&mut self, fits: &[Fit]) -> Result<Vec<usize>, FitFailure> {
+        let (tuning, worst) = (&self.tuning.failure, &self.worst);
+        let failures: Vec<_> = fits.iter().map(|fit| tuning.judge(&fit.report, worst)).collect();
+        fits.iter().for_each(|fit| self.worst.remember(&fit.report));
+        let explained: Vec<usize> =
+            (0..fits.len()).filter(|&index| failures[index].is_none()).collect();
+        match failures.first() {
+            Some(&Some(failure)) if explained.is_empty() => Err(failure),
+            _ => Ok(explained),
+        }
+    }
+
+    fn frame<'a>(
+        &self,
+        decoded: &'a mut Reconstruction,
+        from: Slot,
+        scan: &'a Scan,
+        settings: &'a FrameSettings,
+    ) -> Frame<'a> {
+        let (quantisers, tuning) = (settings.quantisers, self.tuning.steps);
+        let usual = Steps::new(&quantisers, &tuning, self.unit, reach(decoded, from));
+        Frame {
+            digests: self.config.digests,
+            translation: self.config.translation,
+            is_by_cost: is_by_cost(&self.config),
+            range: StepRange { quantisers, usual, farthest: tuning.farthest },
+            tuning,
+            lambda: settings.lambda,
+            unit: self.unit,
+            decoded,
+            from,
+            scan,
+        }
     }
 
     /// The combinations that this frame may have.
@@ -149,7 +184,11 @@ impl MotionEncoder {
             Some(fitter) => fitter,
             none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
         };
-        let options = FitOptions { part_start: self.config.part_start, ..FitOptions::default() };
+        let options = FitOptions {
+            part_start: self.config.part_start,
+            measures: Some(self.tuning.failure.measures),
+            ..FitOptions::default()
+        };
         let fits = match candidates {
             &[combination] => {
                 let options = FitOptions { combination, ..options };
@@ -161,12 +200,6 @@ impl MotionEncoder {
     }
 }
 
-/// What bytes count where components are chosen, in a frame that is the first of so many P-frames:
-/// what its motion leaves unexplained stays so in those after it, on average in half of them.
-fn inherited(frames: usize) -> f64 {
-    2.0 / (frames + 1) as f64
-}
-
 /// Whether any choice of the encoder compares costs of P-frames.
 pub(crate) fn is_by_cost(config: &EncoderConfig) -> bool {
     config.motion_step == StepChoice::Cost
@@ -175,9 +208,14 @@ pub(crate) fn is_by_cost(config: &EncoderConfig) -> bool {
 
 /// A frame and what candidates for its motion are judged by.
 struct Frame<'a> {
-    config: &'a EncoderConfig,
+    digests: bool,
+    translation: TranslationChoice,
+    is_by_cost: bool,
+    range: StepRange,
+    tuning: StepTuning,
+    lambda: f64,
+    /// Reference units in a grid step.
     unit: f64,
-    usual: Steps,
     decoded: &'a mut Reconstruction,
     /// The reference that it is deformed from.
     from: Slot,
@@ -209,9 +247,9 @@ impl Frame<'_> {
         steps: Steps,
     ) -> Trial {
         let mut motion = MotionFrame::default();
-        motion.header.positions_digest = self.config.digests.then_some(0);
+        motion.header.positions_digest = self.digests.then_some(0);
         let before = self.decoded.translations();
-        let (choice, step) = (self.config.translation, steps.translation);
+        let (choice, step) = (self.translation, steps.translation);
         code_translations(transforms, before, choice, step, self.decoded.limit(), &mut motion);
         let affine = &self.decoded.nodes().affine;
         quantise_parameters(transforms, affine, combination, steps, &mut motion);
@@ -220,7 +258,7 @@ impl Frame<'_> {
     }
 
     fn cost(&mut self, motion: &MotionFrame) -> CostReport {
-        if !is_by_cost(self.config) {
+        if !self.is_by_cost {
             return CostReport::new(0.0, 0, 0.0);
         }
         let mut bits = BitWriter::new();
@@ -231,18 +269,20 @@ impl Frame<'_> {
             self.scan.distortion(positions, self.unit, faces)
         };
         let distortion = self.decoded.preview(motion, self.from, look).unwrap_or(f64::INFINITY);
-        CostReport::new(distortion, bytes, self.config.lambda)
+        CostReport::new(distortion, bytes, self.lambda)
     }
 
-    /// Finer and coarser steps, one group of components after the other, as long as J falls.
+    /// Finer and coarser steps, of some components after the others, as long as J falls.
     fn cheapest_steps(&mut self, transforms: &[NodeTransform], first: Trial) -> Trial {
         let mut best = first;
-        for _ in 0..ROUNDS {
+        for _ in 0..self.tuning.rounds {
             let before = best.steps;
-            for group in [StepGroup::Translation, StepGroup::Rotation, StepGroup::Stretch] {
+            for some in
+                [StepComponents::Translation, StepComponents::Rotation, StepComponents::Stretch]
+            {
                 let carried = best.motion.enabled.scale || best.motion.enabled.shear;
-                if group != StepGroup::Stretch || carried {
-                    best = self.cheapest_in_group(transforms, group, best);
+                if some != StepComponents::Stretch || carried {
+                    best = self.cheapest_of(transforms, some, best);
                 }
             }
             if best.steps == before {
@@ -252,16 +292,16 @@ impl Frame<'_> {
         best
     }
 
-    fn cheapest_in_group(
+    fn cheapest_of(
         &mut self,
         transforms: &[NodeTransform],
-        group: StepGroup,
+        some: StepComponents,
         first: Trial,
     ) -> Trial {
         let begin = first.steps;
         let mut best = first;
-        for stride in [STRIDE, -STRIDE] {
-            while let Some(steps) = best.steps.coarser(group, stride, self.config, self.usual) {
+        for stride in [self.tuning.stride, -self.tuning.stride] {
+            while let Some(steps) = self.range.coarser(best.steps, some, stride) {
                 let trial = self.trial(transforms, best.combination, steps);
                 if trial.cost.total >= best.cost.total {
                     break;

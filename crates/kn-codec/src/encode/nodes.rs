@@ -2,33 +2,24 @@
 
 use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePlacement};
 use crate::encode::config::EncoderConfig;
-use crate::encode::scan::{Scans, distortion_slope};
+use crate::encode::failure::Worst;
+use crate::encode::frame_settings::node_lambda;
+use crate::encode::scan::Scans;
+use crate::encode::tuning::Tuning;
 use crate::error::EncodeError;
 use kn_bitstream::params::LabelSet;
 use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, NodeSites};
 use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
-    FitError, FitOptions, FitSource, GenerateOptions, NodeCount, NodeSource, RankBy, affine_gains,
-    generate_nodes, place_farthest,
+    FitError, FitOptions, FitReport, FitSource, GenerateOptions, NodeCount, NodeSource, RankBy,
+    affine_gains, generate_nodes, place_farthest,
 };
 use kn_mesh::GridMesh;
 
-/// Where in its group the key frame is: later frames have drifted more, earlier ones moved less.
-const KEY_FRAME: f64 = 0.6;
-/// Bytes of a key node: its place, once a group, and its share of a P-frame.
-const PLACE_BYTES: f64 = 1.0;
-const MOTION_BYTES: f64 = 2.7;
-/// Bytes of the scales and shears of an affine node in a P-frame.
-const STRETCH_BYTES: f64 = 2.0;
-/// D of a P-frame for a rise of the mean squared distance by all of itself where a node is missing.
-/// The numbers that follow lie where J is least on six sequences (docs/notes/fit.md).
-const NODE_DISTORTION: f64 = 0.0045;
-/// Nodes where nothing says how many pay: they are spread evenly, or no frame can be tracked.
-const EVENLY: usize = 150;
-
-/// Chooses the key nodes of a group.
+/// Chooses the key nodes of a GoF.
 pub(crate) struct NodeChooser<'a> {
     config: &'a EncoderConfig,
+    tuning: &'a Tuning,
     labels: &'a LabelSet,
     intra: &'a GridMesh,
     /// `#V × 3`, grid steps.
@@ -41,6 +32,7 @@ impl<'a> NodeChooser<'a> {
     /// For a decoded I-frame.
     pub(crate) fn new(
         config: &'a EncoderConfig,
+        tuning: &'a Tuning,
         labels: &'a LabelSet,
         intra: &'a GridMesh,
     ) -> Self {
@@ -49,12 +41,13 @@ impl<'a> NodeChooser<'a> {
             positions: intra.positions.iter().map(|p| p.map(f64::from)).collect(),
             regions: intra.labels.iter().map(region).collect(),
             config,
+            tuning,
             labels,
             intra,
         }
     }
 
-    /// Key nodes for a group with these P-frames.
+    /// Key nodes for a GoF with these P-frames.
     ///
     /// # Errors
     /// What `scans` returns; a mesh without a surface, as `fail` words it.
@@ -89,7 +82,7 @@ impl<'a> NodeChooser<'a> {
         let faces = &self.intra.faces;
         let count = match self.config.nodes {
             NodeChoice::Fixed(count) => count,
-            NodeChoice::Cost { most } => most.min(EVENLY),
+            NodeChoice::Cost { most } => most.min(self.tuning.nodes.evenly),
         };
         place_farthest(&self.positions, faces, self.regions(), Some(&affine), count)
     }
@@ -110,10 +103,16 @@ impl<'a> NodeChooser<'a> {
             affine: &affine,
             bind: &bind,
         };
-        let options =
-            GenerateOptions { count: self.count(scans.len()), rank_by, fit: self.fit_options() };
+        let failure = self.tuning.failure;
+        let explains = |report: &FitReport| failure.judge(report, &Worst::default()).is_none();
+        let options = GenerateOptions {
+            count: self.count(scans.len()),
+            rank_by,
+            fit: FitOptions { measures: Some(failure.measures), ..self.fit_options() },
+            explains: &explains,
+        };
         // A frame that is too far to be tracked gives way to one half as far.
-        let mut ahead = key_frame(scans);
+        let mut ahead = self.key_frame(scans);
         while ahead > 0 {
             let key = scans.keep(ahead - 1)?;
             let found = generate_nodes(&source, &key.target, &options).map_err(&fail)?;
@@ -134,7 +133,7 @@ impl<'a> NodeChooser<'a> {
         scans: &mut Scans,
         fail: &impl Fn(FitError) -> EncodeError,
     ) -> Result<Vec<bool>, EncodeError> {
-        let key = scans.keep(key_frame(scans).max(1) - 1)?;
+        let key = scans.keep(self.key_frame(scans).max(1) - 1)?;
         let influence = self.bind(vertices).map_err(fail)?;
         let nodes: Vec<[f64; 3]> = vertices.iter().map(|&v| self.positions[v as usize]).collect();
         let source = FitSource {
@@ -146,7 +145,9 @@ impl<'a> NodeChooser<'a> {
             labels: None,
         };
         let gains = affine_gains(&source, &key.target, &self.fit_options()).map_err(fail)?;
-        let price = self.config.lambda * STRETCH_BYTES / distortion_slope(gains.rigid);
+        let tuning = &self.tuning.nodes;
+        let slope = tuning.distortion_slope / (2.0 * gains.rigid.sqrt());
+        let price = node_lambda(self.config) * tuning.stretch_bytes / slope;
         Ok(gains.nodes.iter().map(|&gain| gain > price).collect())
     }
 
@@ -164,10 +165,20 @@ impl<'a> NodeChooser<'a> {
         match self.config.nodes {
             NodeChoice::Fixed(count) => NodeCount::Exactly(count),
             NodeChoice::Cost { most } => {
-                let bytes = PLACE_BYTES / predicted.max(1) as f64 + MOTION_BYTES;
-                NodeCount::Paying { most, price: self.config.lambda * bytes / NODE_DISTORTION }
+                let tuning = &self.tuning.nodes;
+                let bytes = tuning.place_bytes / predicted.max(1) as f64 + tuning.motion_bytes;
+                NodeCount::Paying {
+                    dense: self.positions.len() / tuning.vertices_per_node,
+                    most,
+                    price: node_lambda(self.config) * bytes / tuning.distortion,
+                }
             }
         }
+    }
+
+    /// How many frames ahead of the I-frame the key frame is.
+    fn key_frame(&self, scans: &Scans) -> usize {
+        (self.tuning.nodes.key_frame * scans.len() as f64).ceil() as usize
     }
 
     /// As the decoder will bind them.
@@ -212,11 +223,6 @@ impl<'a> NodeChooser<'a> {
         let by_point = coded(NodeSites::Points(points));
         if bytes(&by_point) < bytes(&by_vertex) { by_point } else { by_vertex }
     }
-}
-
-/// How many frames ahead of the I-frame the key frame is.
-fn key_frame(scans: &Scans) -> usize {
-    (KEY_FRAME * scans.len() as f64).ceil() as usize
 }
 
 fn bytes(nodes: &KeyNodes) -> usize {

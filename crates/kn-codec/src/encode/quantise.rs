@@ -1,7 +1,8 @@
 //! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
 
 use crate::encode::choices::StepChoice;
-use crate::encode::config::EncoderConfig;
+use crate::encode::frame_settings::Quantisers;
+use crate::encode::tuning::StepTuning;
 use kn_bitstream::params::Combination;
 use kn_bitstream::{HUFFMAN_VALUE_LIMIT, MotionFrame, ValueList, parameter_step, translation_step};
 use kn_deform::NodeTransform;
@@ -15,23 +16,23 @@ pub(crate) struct Steps {
     pub(crate) shear: u8,
 }
 
-/// Combination whose steps are chosen together.
+/// Components whose steps are chosen together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StepGroup {
+pub(crate) enum StepComponents {
     Translation,
     Rotation,
     Stretch,
 }
 
 impl Steps {
-    /// The steps nearest to those of the settings.
+    /// The steps nearest to those of `quantisers`.
     ///
     /// `reach` is the distance over which a node moves vertices, in reference units: an angle's, a
     /// scale's or a shear's error grows with it. `unit` is a grid step in reference units.
-    pub(crate) fn new(config: &EncoderConfig, unit: f64, reach: f64) -> Self {
-        let motion = match config.motion_step {
+    pub(crate) fn new(quantisers: &Quantisers, tuning: &StepTuning, unit: f64, reach: f64) -> Self {
+        let motion = match quantisers.motion {
             StepChoice::Fixed(step) => step,
-            StepChoice::Cost => USUAL,
+            StepChoice::Cost => tuning.usual,
         };
         let parameter = |step: Option<f64>, default: f64| {
             let moved = step.unwrap_or(default * motion) * unit;
@@ -39,56 +40,61 @@ impl Steps {
         };
         Self {
             translation: nearest(motion * unit, translation_step),
-            rotation: parameter(config.rotation_step, 1.0),
-            scale: parameter(config.scale_step, STRETCH),
-            shear: parameter(config.shear_step, STRETCH),
+            rotation: parameter(quantisers.rotation, 1.0),
+            scale: parameter(quantisers.scale, tuning.stretch),
+            shear: parameter(quantisers.shear, tuning.stretch),
         }
     }
+}
 
-    /// The steps of a group of components `by` indices coarser; `None` where the settings fix them
-    /// or where that is far from `usual`.
+/// Where steps may go from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepRange {
+    pub(crate) quantisers: Quantisers,
+    /// The steps where the search begins in every GoF.
+    pub(crate) usual: Steps,
+    /// How many indices a step may be from them.
+    pub(crate) farthest: u8,
+}
+
+impl StepRange {
+    /// `steps` with those of some components `by` indices coarser; `None` where the settings fix
+    /// them or where that is out of range.
     pub(crate) fn coarser(
-        self,
-        group: StepGroup,
+        &self,
+        steps: Steps,
+        components: StepComponents,
         by: i8,
-        config: &EncoderConfig,
-        usual: Self,
-    ) -> Option<Self> {
-        if config.motion_step != StepChoice::Cost {
+    ) -> Option<Steps> {
+        let Self { quantisers, usual, farthest } = self;
+        if quantisers.motion != StepChoice::Cost {
             return None;
         }
         let moved = |step: u8, fixed: Option<f64>, usual: u8| match fixed {
             Some(_) => Some(step),
             None => {
                 let step = step.checked_add_signed(by).filter(|&step| step < 64)?;
-                (step.abs_diff(usual) <= FARTHEST).then_some(step)
+                (step.abs_diff(usual) <= *farthest).then_some(step)
             }
         };
-        let changed = match group {
-            StepGroup::Translation => {
-                Self { translation: moved(self.translation, None, usual.translation)?, ..self }
+        let changed = match components {
+            StepComponents::Translation => {
+                let translation = moved(steps.translation, None, usual.translation)?;
+                Steps { translation, ..steps }
             }
-            StepGroup::Rotation => {
-                let rotation = moved(self.rotation, config.rotation_step, usual.rotation)?;
-                Self { rotation, ..self }
+            StepComponents::Rotation => {
+                let rotation = moved(steps.rotation, quantisers.rotation, usual.rotation)?;
+                Steps { rotation, ..steps }
             }
-            StepGroup::Stretch => Self {
-                scale: moved(self.scale, config.scale_step, usual.scale)?,
-                shear: moved(self.shear, config.shear_step, usual.shear)?,
-                ..self
+            StepComponents::Stretch => Steps {
+                scale: moved(steps.scale, quantisers.scale, usual.scale)?,
+                shear: moved(steps.shear, quantisers.shear, usual.shear)?,
+                ..steps
             },
         };
-        (changed != self).then_some(changed)
+        (changed != steps).then_some(changed)
     }
 }
-
-/// Where the search for a step begins, in grid steps.
-const USUAL: f64 = 2.0;
-/// How many indices it may go from there: three octaves.
-const FARTHEST: u8 = 12;
-/// Scales and shears are quantised so much more coarsely than translations: neighbours average their
-/// errors out (`docs/notes/translation.md`).
-const STRETCH: f64 = 2.0;
 
 /// The index whose step is nearest to `wanted`, the lowest of equals.
 fn nearest(wanted: f64, step: impl Fn(u8) -> i64) -> u8 {
@@ -183,14 +189,17 @@ mod tests {
     use crate::encode::translation::code_translations;
     use kn_bitstream::{BitReader, BitWriter, MotionContext, translation_step};
 
+    const FREE: Quantisers =
+        Quantisers { motion: StepChoice::Cost, rotation: None, scale: None, shear: None };
+
+    fn steps(quantisers: &Quantisers) -> Steps {
+        Steps::new(quantisers, &StepTuning::default(), 256.0, 256.0 * 64.0)
+    }
+
     #[test]
     fn steps_move_vertices_as_far_as_told() {
-        let told = EncoderConfig {
-            motion_step: StepChoice::Fixed(1.0),
-            shear_step: Some(4.0),
-            ..EncoderConfig::default()
-        };
-        let steps = Steps::new(&told, 256.0, 256.0 * 64.0);
+        let told = Quantisers { motion: StepChoice::Fixed(1.0), shear: Some(4.0), ..FREE };
+        let steps = steps(&told);
         assert_eq!(translation_step(steps.translation), 256);
         assert_eq!(unit_step(steps.rotation), 1.0 / 64.0);
         assert_eq!(unit_step(steps.shear), 1.0 / 16.0);
@@ -198,13 +207,15 @@ mod tests {
 
     #[test]
     fn only_steps_by_cost_are_changed() {
-        let by_cost = EncoderConfig { scale_step: Some(4.0), ..EncoderConfig::default() };
-        let usual = Steps::new(&by_cost, 256.0, 256.0 * 64.0);
-        let stretch = usual.coarser(StepGroup::Stretch, 2, &by_cost, usual).expect("shear is free");
+        let by_cost = Quantisers { scale: Some(4.0), ..FREE };
+        let usual = steps(&by_cost);
+        let range = StepRange { quantisers: by_cost, usual, farthest: 12 };
+        let stretch = range.coarser(usual, StepComponents::Stretch, 2).expect("shear is free");
         assert_eq!((stretch.scale, stretch.shear), (usual.scale, usual.shear + 2));
-        assert_eq!(usual.coarser(StepGroup::Translation, 13, &by_cost, usual), None);
-        let fixed = EncoderConfig { motion_step: StepChoice::Fixed(2.0), ..by_cost };
-        assert_eq!(usual.coarser(StepGroup::Rotation, 2, &fixed, usual), None);
+        assert_eq!(range.coarser(usual, StepComponents::Translation, 13), None);
+        let fixed = Quantisers { motion: StepChoice::Fixed(2.0), ..by_cost };
+        let range = StepRange { quantisers: fixed, ..range };
+        assert_eq!(range.coarser(usual, StepComponents::Rotation, 2), None);
     }
 
     #[test]

@@ -9,8 +9,10 @@ use kn_segment::Segmentation;
 /// What became of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameReport {
-    /// Position in the sequence, from 0.
+    /// Place in the sequence, from 0: display order.
     pub index: u64,
+    /// Place in the stream, from 0: decode order. Equal to `index` today.
+    pub decode_index: u64,
     /// I or P.
     pub kind: FrameKind,
     /// Bytes of the frame's units; a group's key nodes count with its first P-frame.

@@ -1,6 +1,7 @@
-//! The scans of a group: what P-frames are fitted to and measured against.
+//! The scans of a GoF: what P-frames are fitted to and measured against.
 
 use crate::encode::choices::DistortionMeasure;
+use crate::encode::tuning::SurrogateTuning;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
 use kn_mesh::vec3::cross;
@@ -8,31 +9,26 @@ use kn_mesh::{Grid, Mesh};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
 use std::sync::Arc;
 
-/// Faces whose centres the surrogate looks at, about.
-const SAMPLES: usize = 4000;
-/// What the surrogate makes of an RMS distance of the box's diagonal, and of normals at a right
-/// angle: about the slopes of MSDM2 over both (`docs/notes/choice.md`).
-const PER_DISTANCE: f64 = 15.0;
-const PER_BEND: f64 = 0.87;
-/// The slope of MSDM2 over the distance where nothing else is known.
-const PER_DISTANCE_ALONE: f64 = 37.0;
-/// D where nothing can be measured: MSDM2 is below it.
-const WORST: f64 = 1.0;
-
 /// A scan in grid steps.
 pub(crate) struct Scan {
     pub(crate) target: FitTarget,
     /// The scan as MSDM2's original, where D is measured by that.
     original: Option<Msdm2Surface>,
+    tuning: SurrogateTuning,
+}
+
+/// How scans become [`Scan`]s.
+#[derive(Clone, Copy)]
+pub(crate) struct ScanOptions {
+    pub(crate) grid: Grid,
+    /// What D is measured by, where it is.
+    pub(crate) measure: Option<DistortionMeasure>,
+    pub(crate) tuning: SurrogateTuning,
 }
 
 impl Scan {
-    fn new(
-        mesh: &Mesh,
-        grid: Grid,
-        measure: Option<DistortionMeasure>,
-        frame: u64,
-    ) -> Result<Self, EncodeError> {
+    fn new(mesh: &Mesh, options: ScanOptions, frame: u64) -> Result<Self, EncodeError> {
+        let ScanOptions { grid, measure, tuning } = options;
         let input = |reason: String| EncodeError::Input { frame, reason };
         let positions = to_grid_steps(&mesh.positions, grid);
         let (target, original) = rayon::join(
@@ -47,10 +43,10 @@ impl Scan {
         let target = target.map_err(|error| input(error.to_string()))?;
         let original = original.map_err(|error| input(error.to_string()))?;
         if mesh.labels.is_empty() {
-            return Ok(Self { target, original });
+            return Ok(Self { target, original, tuning });
         }
         let labelled = target.with_labels(&mesh.labels);
-        Ok(Self { target: labelled.map_err(|error| input(error.to_string()))?, original })
+        Ok(Self { target: labelled.map_err(|error| input(error.to_string()))?, original, tuning })
     }
 
     /// D of a decoded frame: `positions` `#V × 3` in reference units, of which `unit` make a grid
@@ -62,13 +58,14 @@ impl Scan {
         let positions: Vec<[f64; 3]> =
             positions.iter().map(|p| p.map(|c| f64::from(c) / unit)).collect();
         let decoded = Msdm2Surface::new(&positions, faces, DEFAULT_LEVELS);
-        decoded
-            .map_or(WORST, |decoded| msdm2(original, &decoded, Interpolation::default()).symmetric)
+        decoded.map_or(self.tuning.worst, |decoded| {
+            msdm2(original, &decoded, Interpolation::default()).symmetric
+        })
     }
 
     /// What differs between candidates as MSDM2 does, up to a constant.
     fn surrogate(&self, positions: &[[i32; 3]], unit: f64, faces: &[[u32; 3]]) -> f64 {
-        let stride = (faces.len() / SAMPLES).max(1);
+        let stride = (faces.len() / self.tuning.samples).max(1);
         let sample = |face: &[u32; 3]| -> ([f64; 3], [f64; 3]) {
             let [a, b, c] = face.map(|v| positions[v as usize].map(|c| f64::from(c) / unit));
             let side = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| to[k] - a[k]) };
@@ -76,36 +73,23 @@ impl Scan {
         };
         let (centres, normals): (Vec<_>, Vec<_>) = faces.iter().step_by(stride).map(sample).unzip();
         let deviation = self.target.deviation(&centres, &normals);
-        PER_DISTANCE * deviation.distance + PER_BEND * deviation.bend
+        self.tuning.per_distance * deviation.distance + self.tuning.per_bend * deviation.bend
     }
 }
 
-/// By how much D rises with the mean squared distance, relative to the squared diagonal, where that
-/// is `squared`.
-pub(crate) fn distortion_slope(squared: f64) -> f64 {
-    PER_DISTANCE_ALONE / (2.0 * squared.sqrt())
-}
-
-/// The scans of a group's P-frames, prepared when their turn comes.
+/// The scans of a GoF's P-frames, prepared when their turn comes.
 pub(crate) struct Scans<'a> {
     meshes: &'a [Mesh],
-    grid: Grid,
-    /// What D is measured by, where it is.
-    measure: Option<DistortionMeasure>,
-    /// Index of the first in the sequence.
+    options: ScanOptions,
+    /// Place of the first in display order.
     first: u64,
     /// The key frame, which is needed before its turn.
     key: Option<(usize, Arc<Scan>)>,
 }
 
 impl<'a> Scans<'a> {
-    pub(crate) fn new(
-        meshes: &'a [Mesh],
-        grid: Grid,
-        measure: Option<DistortionMeasure>,
-        first: u64,
-    ) -> Self {
-        Self { meshes, grid, measure, first, key: None }
+    pub(crate) fn new(meshes: &'a [Mesh], options: ScanOptions, first: u64) -> Self {
+        Self { meshes, options, first, key: None }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -124,7 +108,7 @@ impl<'a> Scans<'a> {
             Some((key, scan)) if *key == offset => Ok(scan.clone()),
             _ => {
                 let (mesh, frame) = (&self.meshes[offset], self.frame(offset).0);
-                Scan::new(mesh, self.grid, self.measure, frame).map(Arc::new)
+                Scan::new(mesh, self.options, frame).map(Arc::new)
             }
         }
     }

@@ -1,30 +1,26 @@
 //! The encoder's choice of how strongly an I-frame is smoothed.
 
 use crate::decode::Reconstruction;
+use crate::encode::tuning::SmoothingTuning;
 use kn_bitstream::MAX_SMOOTHING;
 use kn_metrics::TriangleTree;
 
-/// Faces that the choice looks at, about.
-const SAMPLES: usize = 4000;
-/// How much farther from the scan a smoothed surface may be than the unsmoothed one. MSDM2 still
-/// falls beyond the strength with the smallest distance; see `docs/notes/smoothing.md`.
-const TOLERANCE: f64 = 1.03;
-
 /// The greatest strength whose surface is as near to the scan as without smoothing, or at most
-/// [`TOLERANCE`] times as far. `scan` is in grid steps; `unit` reference units make a grid step. The reconstruction has decoded the
-/// I-frame; its reference is left at some strength.
+/// [`SmoothingTuning::tolerance`] times as far. `scan` is in grid steps; `unit` reference units make
+/// a grid step. The reconstruction has decoded the I-frame; its reference is left at some strength.
 ///
 /// Where the scan was on the grid from the start, nothing is smoothed.
 pub(crate) fn choose_smoothing(
     reconstruction: &mut Reconstruction,
     scan: &TriangleTree,
     unit: f64,
+    tuning: &SmoothingTuning,
 ) -> u8 {
     let mut error = |strength| {
         reconstruction.smooth(strength);
         let reference = reconstruction.last_positions();
         let faces = &reconstruction.intra().faces;
-        let stride = (faces.len() / SAMPLES).max(1);
+        let stride = (faces.len() / tuning.samples).max(1);
         // Vertices alone would make noise look larger than it is on the surface between them.
         let centroid = |face: &[u32; 3]| -> [f64; 3] {
             let corners = face.map(|vertex| reference[vertex as usize].map(f64::from));
@@ -35,6 +31,6 @@ pub(crate) fn choose_smoothing(
         let sum: f64 = closest.iter().map(|closest| closest.distance_squared).sum();
         (sum / points.len().max(1) as f64).sqrt()
     };
-    let bound = TOLERANCE * error(0);
+    let bound = tuning.tolerance * error(0);
     (1..=MAX_SMOOTHING).rev().find(|&strength| error(strength) <= bound).unwrap_or(0)
 }

@@ -1,9 +1,8 @@
 //! One set of nodes in the deformation loop: what each is worth, and where one is missing.
 
-use super::{CONTROL, DISTANCE, NodeSource, PRIOR, SMOOTHING};
+use super::{CONTROL, DISTANCE, GenerateOptions, NodeSource, PRIOR, SMOOTHING};
 use crate::error::{FitError, Side};
 use crate::fitter::Fitter;
-use crate::options::FitOptions;
 use crate::place::place_farthest;
 use crate::source::FitSource;
 use crate::surface::vertex_areas;
@@ -18,7 +17,7 @@ use kn_metrics::{
 pub(super) struct Setting<'a> {
     source: &'a NodeSource<'a>,
     key: &'a FitTarget,
-    fit: &'a FitOptions,
+    options: &'a GenerateOptions<'a>,
     /// `#V`.
     areas: Vec<f64>,
     area: f64,
@@ -27,13 +26,13 @@ pub(super) struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    pub(super) fn new(source: &'a NodeSource<'a>, key: &'a FitTarget, fit: &'a FitOptions) -> Self {
+    pub(super) fn new(
+        source: &'a NodeSource<'a>,
+        key: &'a FitTarget,
+        options: &'a GenerateOptions<'a>,
+    ) -> Self {
         let areas = vertex_areas(source.positions, source.faces);
-        Self { area: areas.iter().sum(), areas, source, key, fit, original: None }
-    }
-
-    pub(super) fn vertices(&self) -> usize {
-        self.source.positions.len()
+        Self { area: areas.iter().sum(), areas, source, key, options, original: None }
     }
 
     /// How many regions have a vertex.
@@ -92,7 +91,7 @@ impl<'a> Trial<'a> {
         nodes: Vec<u32>,
         motion: Option<Vec<NodeTransform>>,
     ) -> Result<Self, FitError> {
-        let Setting { source, key, fit, .. } = setting;
+        let Setting { source, key, options, .. } = setting;
         let influence = (source.bind)(&nodes)?;
         let places: Vec<Vec3> = nodes.iter().map(|&v| source.positions[v as usize]).collect();
         let affine: Vec<bool> = nodes.iter().map(|&v| source.affine[v as usize]).collect();
@@ -106,10 +105,11 @@ impl<'a> Trial<'a> {
         };
         let mut fitter = Fitter::new(&mesh)?;
         let (transforms, failed) = match motion {
-            Some(motion) => (fitter.continue_frame(&mesh, key, fit, motion)?, false),
+            Some(motion) => (fitter.continue_frame(&mesh, key, &options.fit, motion)?, false),
             None => {
-                let found = fitter.fit_frame(&mesh, key, fit)?;
-                (found.transforms, found.report.failure.is_some())
+                let found = fitter.fit_frame(&mesh, key, &options.fit)?;
+                let failed = !(options.explains)(&found.report);
+                (found.transforms, failed)
             }
         };
         let deformed = fitter.deformed().to_vec();
