@@ -1,5 +1,6 @@
 //! A sparse block Cholesky factor. It gives L-BFGS variables in which the energy is nearly round.
 
+use crate::constants::minimisation::PIVOT;
 use crate::pattern::{BlockPattern, PairSet};
 
 /// The structure of the factor: who is eliminated when, and which blocks fill in.
@@ -277,9 +278,6 @@ impl BlockCholesky {
         values.as_chunks::<W>().0.split_at(W)
     }
 }
-
-/// Smallest pivot relative to the entry that it started as: what rounding left below it is noise.
-const PIVOT: f64 = 1e-12;
 
 fn factor_diagonal<const W: usize>(block: &mut [f64]) {
     for i in 0..W {

@@ -1,5 +1,6 @@
 //! Matches for the first steps, while the surfaces are far apart.
 
+use crate::constants::matches::NORMAL_SCALE;
 use crate::deformed::Deformed;
 use crate::group::Group;
 use crate::matching::{Correspondences, Match};
@@ -9,8 +10,6 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use kn_mesh::vec3::{Vec3, add, distance, dot, scale as scaled, unit};
 use rayon::prelude::*;
 
-/// Opposite normals count as far apart as this many node spacings times two.
-const NORMAL_SCALE: f64 = 1.5;
 /// Points per unit of parallel work.
 const CHUNK: usize = 256;
 

@@ -2,6 +2,9 @@
 
 use crate::affine::{self, Affine, MAX_PARAMETERS, ZERO};
 use crate::cholesky::{BlockCholesky, Elimination};
+use crate::constants::minimisation::{
+    DAMPING, EVALUATIONS_PER_ITERATION, LEAST_SCALE, MEMORY, TOLERANCE,
+};
 use crate::orthogonality;
 use crate::pattern::BlockPattern;
 use crate::quadratic::QuadraticForm;
@@ -12,18 +15,6 @@ use kn_bitstream::params::Combination;
 use kn_deform::NodeTransform;
 use nalgebra::DVector;
 use std::cell::RefCell;
-
-/// Pairs of steps and gradient changes that L-BFGS keeps.
-const MEMORY: usize = 6;
-/// A minimisation ends when an iteration lowers the energy by less than this share.
-const TOLERANCE: f64 = 1e-4;
-/// No axis of a node shrinks below this factor.
-const LEAST_SCALE: f64 = 0.05;
-/// Bound on the evaluations of a minimisation, per iteration; one or two is usual.
-const EVALUATIONS_PER_ITERATION: usize = 8;
-/// What is added to the diagonal of the preconditioner, relative to its entries: directions that
-/// neither data nor smoothness see stay where they are.
-const DAMPING: f64 = 1e-6;
 
 /// L_data + α_reg L_reg as a quadratic form, and α_orth L_orth.
 #[derive(Clone, Copy)]

@@ -2,6 +2,9 @@
 
 use crate::cholesky::BlockCholesky;
 use crate::coarse;
+use crate::constants::matches::{LEAST_WIDTH, REACH_WEIGHT, WIDTH};
+use crate::constants::minimisation::{FIRST_FACTORS, ITERATIONS, REFACTOR};
+use crate::constants::starts::CLEARLY;
 use crate::deformed::Deformed;
 use crate::energy::{Energy, minimise};
 use crate::error::{FitError, Side};
@@ -12,24 +15,12 @@ use crate::options::{FitOptions, PartStart};
 use crate::parts;
 use crate::quadratic::{Observations, QuadraticForm};
 use crate::report::{Fit, FitReport};
-use crate::schedule::{REACH_WEIGHT, Schedule, Stage};
+use crate::schedule::{Schedule, Stage};
 use crate::source::FitSource;
 use crate::target::FitTarget;
 use kn_bitstream::params::Combination;
 use kn_deform::NodeTransform;
 use kn_mesh::vec3::Vec3;
-
-/// The robust width is this many times the 95th percentile of the distances ...
-const WIDTH: f64 = 2.0;
-/// ... but at least this many node spacings: what is nearer must not be given up, since the
-/// farthest part of a limb is what says where the limb goes.
-const LEAST_WIDTH: f64 = 1.0;
-/// Iterations of L-BFGS in one correspondence step.
-const ITERATIONS: u64 = 8;
-/// The first steps move so far that each needs variables of its own ...
-const FIRST_FACTORS: usize = 2;
-/// ... later ones share them until α_reg has shrunk to this share.
-const REFACTOR: f64 = 0.2;
 
 /// How hard one minimisation tries.
 #[derive(Clone, Copy)]
@@ -255,8 +246,6 @@ impl Fitter {
     /// rigid alignments where they clearly do better, since it is fast limbs that need them and
     /// borders between parts lie elsewhere in every frame.
     fn start(&mut self, frame: Frame) -> Vec<NodeTransform> {
-        /// The residual of aligned parts, relative to that of the other starts.
-        const CLEARLY: f64 = 0.75;
         let Frame { source, target, options, combinations } = frame;
         let still = vec![NodeTransform::IDENTITY; source.nodes.len()];
         let again = self.previous.as_ref().map(|motion| restrict(motion, combinations));

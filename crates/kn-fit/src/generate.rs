@@ -6,6 +6,9 @@
 
 mod trial;
 
+use crate::constants::generator::{
+    DENSITY, FEW, MAX_ROUNDS, MOVED_SHARE, MOVING_ROUNDS, REMOVED_SHARE,
+};
 use crate::error::FitError;
 use crate::options::FitOptions;
 use crate::report::FitReport;
@@ -68,29 +71,6 @@ pub struct GenerateOptions<'a> {
     /// Whether the motion of a fit explains the key frame.
     pub explains: &'a dyn Fn(&FitReport) -> bool,
 }
-
-/// The dense set has this many nodes for each one that is wanted.
-const DENSITY: f64 = 1.15;
-/// One round removes at most this share of the nodes.
-const REMOVED_SHARE: f64 = 0.3;
-/// The number by cost is found when less than this share goes in a round.
-const FEW: f64 = 0.05;
-/// Two nodes with more than this weight on one vertex are never removed together (the paper's).
-const CONTROL: f64 = 0.01;
-/// A change of a vertex costs at least this many times the mean squared error, so that where nothing
-/// moves in the key frame the nodes stay evenly spread.
-const PRIOR: f64 = 2.0;
-/// Rounds after the number is reached, in which the nodes that matter least move to where the
-/// error is highest.
-const MOVING_ROUNDS: usize = 3;
-/// The share of the nodes that move in such a round.
-const MOVED_SHARE: f64 = 0.1;
-/// Inserted nodes keep this share of the node spacing from all others.
-const DISTANCE: f64 = 0.5;
-/// Distances are averaged so many times over the vertices around each.
-const SMOOTHING: usize = 8;
-/// Bound on all rounds.
-const MAX_ROUNDS: usize = 8;
 
 /// Chooses nodes (`#N` vertex indices, rising) such that their motion explains `key`, a frame of
 /// the group with much motion. `None` where even the dense set cannot track it.

@@ -1,6 +1,7 @@
 //! What stays the same through a group of frames.
 
 use crate::cholesky::Elimination;
+use crate::constants::sampling::SAMPLES;
 use crate::error::{FitError, Side};
 use crate::geodesic::EdgeGraph;
 use crate::node_graph::neighbours;
@@ -10,7 +11,6 @@ use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::FitSource;
 use crate::surface::{boundary_vertices, edges, vertex_areas};
-use crate::target::SAMPLES;
 use kn_mesh::vec3::{Vec3, add, distance, scale, sub};
 
 /// The structure of the fits of one group of frames.

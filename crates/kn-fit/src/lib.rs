@@ -8,6 +8,7 @@
 mod affine;
 mod cholesky;
 mod coarse;
+mod constants;
 mod deformed;
 mod energy;
 mod error;

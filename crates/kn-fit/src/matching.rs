@@ -1,5 +1,6 @@
 //! Correspondences between the deformed source and the target.
 
+use crate::constants::matches::LEAST_COSINE;
 use crate::deformed::Deformed;
 use crate::group::{Group, Levers};
 use crate::quadratic::{Metric, Observations};
@@ -49,9 +50,6 @@ impl Hints {
 
 /// The matches of the points of one sample.
 pub(crate) type Matches = Vec<Match>;
-
-/// The cosine between the normals of a pair below which it does not count.
-const LEAST_COSINE: f64 = 0.2;
 
 /// From vertices of the deformed source to the closest points of the target's surface.
 pub(crate) fn to_target(

@@ -1,15 +1,13 @@
 //! What is measured of a fitted frame: what is missing on either side, and where the source tears.
 //! What that means for the frame is the caller's business.
 
+use crate::constants::measures::MANY;
 use crate::deformed::Deformed;
 use crate::group::Group;
 use crate::matching::{Correspondences, Match};
 use crate::sample::Sample;
 use crate::target::FitTarget;
 use kn_mesh::vec3::{Vec3, add, distance, scale};
-
-/// More far points than this are one region without a closer look, which is quadratic.
-const MANY: usize = 4000;
 
 /// From which values on something is measured as far or torn.
 #[derive(Clone, Copy, Debug, PartialEq)]

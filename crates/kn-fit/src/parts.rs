@@ -1,6 +1,7 @@
 //! Part-wise starts: each labelled part is first aligned rigidly (the paper's segmentation-enhanced
 //! correspondence estimation).
 
+use crate::constants::starts::{ELONGATED, LEAST_AREA, LEAST_COSINE};
 use crate::group::Group;
 use crate::sample::Sample;
 use crate::source::FitSource;
@@ -9,13 +10,6 @@ use kn_bitstream::params::Combination;
 use kn_deform::NodeTransform;
 use kn_mesh::vec3::{Vec3, add, cross, distance, dot, norm, scale, sub};
 use nalgebra::{Matrix3, SymmetricEigen};
-
-/// A part is aligned when it has this share of the area on both meshes.
-const LEAST_AREA: f64 = 0.01;
-/// A part has an axis to turn when its longest moment is this many times the next.
-const ELONGATED: f64 = 2.0;
-/// Rotations beyond this cosine are taken for a wrong axis.
-const LEAST_COSINE: f64 = 0.5;
 
 /// Where a part is and which way it points.
 struct Moments {

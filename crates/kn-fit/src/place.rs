@@ -1,18 +1,12 @@
 //! Farthest-point placement of key nodes on the surface.
 
+use crate::constants::placement::{AFFINE_DENSITY, OWN_NODE};
 use crate::error::FitError;
 use crate::error::Side;
 use crate::geodesic::{DistanceField, EdgeGraph};
 use crate::source::{check_length, check_mesh};
 use crate::surface::{edges, vertex_areas};
 use kn_mesh::vec3::{Vec3, add, distance, scale};
-
-/// A loose piece gets a node of its own when its area is at least this share of the area that one
-/// node has on average. Smaller ones follow the nodes nearest to them.
-const OWN_NODE: f64 = 0.5;
-/// Affine nodes stand this many times as close: parts that need them, such as a loose shirt, are
-/// where most of the error is.
-const AFFINE_DENSITY: f64 = 1.5;
 
 /// Up to `count` vertices (`#N` indices, in the order of choice), spread evenly along the surface.
 ///

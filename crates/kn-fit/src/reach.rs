@@ -1,11 +1,8 @@
 //! How far each point of a body reaches out: what tells a hand from a forearm in any pose.
 
+use crate::constants::sampling::MIDDLE;
 use crate::geodesic::{DistanceField, EdgeGraph};
 use kn_mesh::vec3::{Vec3, add, distance, scale};
-
-/// The middle of the surface is where it is nearest to its centroid; it goes this many times as
-/// far, so that belly and back both belong to it.
-const MIDDLE: f64 = 1.5;
 
 /// `#V` distances from the centroid, straight to the middle of the surface and along the mesh from
 /// there. Bending a limb hardly changes them. A piece that the mesh does not connect with the

@@ -1,5 +1,6 @@
 //! Registration of one mesh to another: the fit without a codec around it.
 
+use crate::constants::sampling::GRID;
 use crate::error::{FitError, Side};
 use crate::fitter::Fitter;
 use crate::options::FitOptions;
@@ -37,9 +38,6 @@ pub struct Registration {
     /// How the fit went.
     pub report: FitReport,
 }
-
-/// Grid steps along the source's longest side; influence is bound on this grid.
-const GRID: f64 = 2047.0;
 
 /// Deforms `source` onto `target` with rigid key nodes that are placed by farthest points.
 ///

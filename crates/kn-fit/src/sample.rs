@@ -1,5 +1,6 @@
 //! Evenly spread samples of a surface's vertices.
 
+use crate::constants::sampling::CELLS_PER_AREA;
 use kn_mesh::vec3::{Vec3, distance, scale};
 
 /// Vertices that stand for the surface around them.
@@ -10,9 +11,6 @@ pub(crate) struct Sample {
     /// The share of the surface's area that each stands for; the sum is 1.
     pub(crate) weights: Vec<f64>,
 }
-
-/// A surface crosses about this many cells of side h per h² of its area.
-const CELLS_PER_AREA: f64 = 1.5;
 
 impl Sample {
     /// Every vertex that has an area.

@@ -1,5 +1,10 @@
 //! How a fit goes from stiff and coarse to relaxed and exact.
 
+use crate::constants::matches::{REACH_FADES, REACH_WEIGHT};
+use crate::constants::steps::{
+    COARSE_LEAST, COARSE_STEPS, CONTINUING_STEPS, FULL_STEPS, RELAXATION, STALL, STIFF, STILL,
+};
+
 /// Which matches a step works with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
@@ -10,28 +15,6 @@ pub(crate) enum Stage {
     /// Every vertex of the source, samples of the target.
     Full,
 }
-
-/// α_reg of the first steps: the source moves almost like one body.
-const STIFF: f64 = 3.0;
-/// α_reg shrinks to this share when a step gains little.
-const RELAXATION: f64 = 0.4;
-/// A step gains little when the residual stays above this share of the last one.
-const STALL: f64 = 0.8;
-/// ... or when the surface moves by less than this share of an edge.
-const STILL: f64 = 0.05;
-/// What a difference in reach counts in the first matches: it brings a limb that swings to where it
-/// goes. Poses change it a little, so it soon fades.
-pub(crate) const REACH_WEIGHT: f64 = 0.5;
-/// The weight in a step is this share of that in the last.
-const REACH_FADES: f64 = 0.5;
-/// Steps before matches are looked for on the surface.
-const COARSE_STEPS: usize = 6;
-/// Steps of a continued fit.
-const CONTINUING_STEPS: usize = 3;
-/// α_reg does not fall below this while matches are coarse: they err by the distance of samples.
-const COARSE_LEAST: f64 = 0.3;
-/// Steps with every vertex.
-const FULL_STEPS: usize = 2;
 
 /// The state of the schedule.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! The mesh that a fit aims at, prepared once per frame.
 
+use crate::constants::sampling::SAMPLES;
 use crate::error::{FitError, Side};
 use crate::geodesic::EdgeGraph;
 use crate::reach::reach;
@@ -8,9 +9,6 @@ use crate::source::{check_length, check_mesh};
 use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
 use kn_mesh::vec3::{Vec3, add, dot, scale, unit};
 use kn_metrics::TriangleTree;
-
-/// Points sampled on either mesh for all passes but the last.
-pub(crate) const SAMPLES: usize = 3000;
 
 /// A target frame with what every pass needs of it.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 //! The decoder over a reader, with seeking.
 
-use crate::decode::stream::{FrameInfo, ParsedIndex, Progress, StreamDecoder};
+use crate::decode::frame_info::FrameInfo;
+use crate::decode::stream::{ParsedIndex, Progress, StreamDecoder};
 use crate::error::{DecodeError, DecodeErrorKind};
 use crate::limits::Limits;
 use kn_bitstream::{Index, TAIL_BYTES, index_size, rule};

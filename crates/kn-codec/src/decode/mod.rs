@@ -1,6 +1,7 @@
 //! Stream in, frames out.
 
 mod files;
+mod frame_info;
 mod key_nodes;
 mod nearest;
 mod node_graph;
@@ -12,7 +13,8 @@ mod transforms;
 mod translation;
 
 pub use files::Decoder;
-pub use stream::{FrameInfo, FrameKind, Progress, StreamDecoder};
+pub use frame_info::{FrameInfo, FrameKind};
+pub use stream::{Progress, StreamDecoder};
 
 #[cfg(all(test, feature = "encode"))]
 pub(crate) use path::Visit;

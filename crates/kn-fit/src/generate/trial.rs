@@ -1,6 +1,7 @@
 //! One set of nodes in the deformation loop: what each is worth, and where one is missing.
 
-use super::{CONTROL, DISTANCE, GenerateOptions, NodeSource, PRIOR, SMOOTHING};
+use super::{GenerateOptions, NodeSource};
+use crate::constants::generator::{CONTROL, DISTANCE, PRIOR, SMOOTHING};
 use crate::error::{FitError, Side};
 use crate::fitter::Fitter;
 use crate::place::place_farthest;

@@ -1,6 +1,7 @@
 //! Decoding of one unit of each type.
 
-use super::{FrameInfo, FrameKind, Stage, Step, StreamDecoder};
+use super::{Stage, Step, StreamDecoder};
+use crate::decode::frame_info::{FrameInfo, FrameKind};
 use crate::decode::reconstruction::Reconstruction;
 use crate::digest::{faces_digest, positions_digest};
 use crate::error::{DecodeError, DecodeErrorKind};
