@@ -1,7 +1,9 @@
 //! The decoder without I/O: bytes are pushed in, frames are polled out.
 
+mod errors;
 mod units;
 
+use self::errors::{malformed, place};
 use crate::decode::frame_info::FrameInfo;
 use crate::decode::reconstruction::Reconstruction;
 use crate::error::{DecodeError, DecodeErrorKind};
@@ -10,9 +12,8 @@ use crate::limits::Limits;
 use crate::order::FrameNumbers;
 use kn_bitstream::unit::{self, FILE_SIGNATURE, Framing, SizeLimits};
 use kn_bitstream::{
-    BitReader, Element, Error, ErrorKind, Index, IndexGroup, Level, MotionFrame, SequenceHeader,
-    Trace, Value,
-    rule::{self, Rule},
+    BitReader, Element, Error, Index, IndexGroup, Level, MotionFrame, SequenceHeader, Trace, Value,
+    rule,
 };
 use kn_mesh::{Grid, Mesh};
 
@@ -354,20 +355,6 @@ impl StreamDecoder {
         mesh.labels.clear();
         mesh.labels.extend_from_slice(&intra.labels);
     }
-
-    fn malformed(&self, rule: Rule, at: u64) -> DecodeError {
-        malformed(rule, at, self.frame_in_progress())
-    }
-
-    /// The frame that is being decoded; none before the first.
-    fn frame_in_progress(&self) -> Option<u64> {
-        self.header.as_ref().map(|_| self.decoded)
-    }
-
-    /// An error of the bitstream, placed in this file.
-    fn at(&self, error: Error) -> DecodeError {
-        place(error, self.frame_in_progress())
-    }
 }
 
 /// What [`StreamDecoder::parse_index`] found.
@@ -376,23 +363,6 @@ pub(crate) enum ParsedIndex {
     NeedBytes(usize),
     /// The groups of frames.
     Index(Index),
-}
-
-fn malformed(rule: Rule, at: u64, frame: Option<u64>) -> DecodeError {
-    DecodeErrorKind::Malformed { rule, at, frame }.into()
-}
-
-/// An error of the bitstream, its bit counted from the start of the file.
-fn place(error: Error, frame: Option<u64>) -> DecodeError {
-    let at = error.bit;
-    match error.kind {
-        ErrorKind::UnexpectedEnd => malformed(rule::UNIT_SIZE_EXACT, at, frame),
-        ErrorKind::Malformed { rule } => malformed(rule, at, frame),
-        ErrorKind::Unsupported { rule } => DecodeErrorKind::Unsupported { rule, at, frame }.into(),
-        ErrorKind::Limit { what, asked, allowed } => {
-            DecodeErrorKind::Limit { what, asked, allowed, at }.into()
-        }
-    }
 }
 
 /// What one step reached.

@@ -5,7 +5,7 @@ use crate::decode::frame_info::{FrameInfo, FrameKind};
 use crate::decode::reconstruction::Reconstruction;
 use crate::digest::{faces_digest, positions_digest};
 use crate::error::{DecodeError, DecodeErrorKind};
-use crate::intra::{IntraError, IntraLimits, decode_intra};
+use crate::intra::{IntraLimits, decode_intra};
 use crate::order::FrameNumbers;
 use kn_bitstream::params::LabelSet;
 use kn_bitstream::unit::{self, Unit};
@@ -211,30 +211,5 @@ impl StreamDecoder {
         }
         self.stage = Stage::End;
         Ok(Step::Continue)
-    }
-
-    /// An error of the I-frame's mesh, placed in this file.
-    fn intra_error(&self, error: IntraError, payload_start: u64) -> DecodeError {
-        match error {
-            IntraError::Malformed { rule, at } => {
-                self.malformed(rule, payload_start + 8 * at as u64)
-            }
-            IntraError::Limit { what, asked, allowed } => {
-                let of_level = match what {
-                    "vertices" => self.level.max_vertices,
-                    _ => self.level.max_faces,
-                };
-                if asked > of_level {
-                    return self.malformed(rule::INTRA_SIZE_LEVEL, payload_start);
-                }
-                let (asked, allowed) = (u64::from(asked), u64::from(allowed));
-                DecodeErrorKind::Limit { what, asked, allowed, at: payload_start }.into()
-            }
-            // What only an encoder meets.
-            IntraError::FaceIndex { .. }
-            | IntraError::Outside { .. }
-            | IntraError::LabelCount { .. }
-            | IntraError::TooLarge { .. } => DecodeErrorKind::Failed.into(),
-        }
     }
 }
