@@ -21,10 +21,10 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, Encoder,
-    EncoderConfig, FailureTuning, Finished, FitFailure, FormError, FrameReport, GridChoice,
-    LabelChoice, NodeChoice, NodePlacement, Preset, SmoothingChoice, StepChoice, StepReport,
-    Summary, TranslationChoice, Worst,
+    AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, EarlierFrames,
+    Encoder, EncoderConfig, FailureTuning, Finished, FitFailure, FormError, FrameReport,
+    GridChoice, LabelChoice, NodeChoice, NodePlacement, Preset, SmoothingChoice, StepChoice,
+    StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

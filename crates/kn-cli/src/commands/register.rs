@@ -6,7 +6,7 @@ use crate::output::print;
 use crate::outputs::Outputs;
 use crate::table::table;
 use anyhow::{Context, Result, anyhow, ensure};
-use kn_codec::{FailureTuning, Worst};
+use kn_codec::{EarlierFrames, FailureTuning};
 use kn_fit::{FitError, FitOptions, RegisterOptions, Registration, Side, register};
 use kn_io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
 use kn_mesh::{Cleaned, Mesh, clean};
@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &RegisterArguments, global: &Global) -> Result<Outc
     };
     write_mesh(&arguments.output, &deformed)?;
     let tuning = FailureTuning::default();
-    if let Some(failure) = tuning.judge(&registration.report, &Worst::default()) {
+    if let Some(failure) = tuning.judge(&registration.report, &EarlierFrames::default()) {
         global.note(format_args!("{}: not explained: {failure}", arguments.target.display()));
     }
     measured.print(arguments.json)?;

@@ -90,7 +90,7 @@ pub enum FitFailure {
 
 /// The largest values of the frames of a GoF so far, which the next is compared with.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Worst {
+pub struct EarlierFrames {
     frames: usize,
     /// 95th percentile of the distances.
     p95: f64,
@@ -98,7 +98,7 @@ pub struct Worst {
     unmatched: f64,
 }
 
-impl Worst {
+impl EarlierFrames {
     /// The frame becomes one that later ones are compared with.
     pub fn remember(&mut self, report: &FitReport) {
         self.frames += 1;
@@ -111,7 +111,7 @@ impl FailureTuning {
     /// Why the motion does not explain a frame whose fit reports this, the plainest reason first;
     /// `None` where it does. `earlier` are the GoF's earlier P-frames. The fit must have been asked
     /// for [`Self::measures`].
-    pub fn judge(&self, report: &FitReport, earlier: &Worst) -> Option<FitFailure> {
+    pub fn judge(&self, report: &FitReport, earlier: &EarlierFrames) -> Option<FitFailure> {
         let measures = report.measures.as_ref()?;
         self.missing(measures)
             .or_else(|| self.torn(measures))
@@ -143,7 +143,7 @@ impl FailureTuning {
         &self,
         report: &FitReport,
         measures: &FitMeasures,
-        earlier: &Worst,
+        earlier: &EarlierFrames,
     ) -> Option<FitFailure> {
         let share = unmatched(report);
         let vertices = measures.source_vertices.min(measures.target_vertices);
@@ -217,7 +217,11 @@ mod tests {
         (FitReport { source_to_target: near, ..FitReport::default() }, measures)
     }
 
-    fn judge(report: FitReport, measures: FitMeasures, earlier: &Worst) -> Option<FitFailure> {
+    fn judge(
+        report: FitReport,
+        measures: FitMeasures,
+        earlier: &EarlierFrames,
+    ) -> Option<FitFailure> {
         let report = FitReport { measures: Some(measures), ..report };
         FailureTuning::default().judge(&report, earlier)
     }
@@ -225,7 +229,7 @@ mod tests {
     #[test]
     fn the_larger_region_is_the_reason() {
         let (report, measures) = sound();
-        let none = Worst::default();
+        let none = EarlierFrames::default();
         assert_eq!(judge(report.clone(), measures, &none), None);
         let region = |share: f64, vertex: u32| Region { share, vertex };
         let speck = FitMeasures { lost: region(0.003, 7), new: region(0.0039, 8), ..measures };
@@ -245,7 +249,7 @@ mod tests {
         let (report, measures) = sound();
         let torn = |area: f64| {
             let tear = Tear { length: 0.2, area, vertex: 5 };
-            judge(report.clone(), FitMeasures { tear, ..measures }, &Worst::default())
+            judge(report.clone(), FitMeasures { tear, ..measures }, &EarlierFrames::default())
         };
         assert_eq!(torn(0.005), None);
         assert_eq!(torn(0.018), Some(FitFailure::Torn { length: 0.2, area: 0.018, vertex: 5 }));
@@ -254,7 +258,7 @@ mod tests {
     #[test]
     fn a_frame_is_compared_with_those_before() {
         let (report, measures) = sound();
-        let mut earlier = Worst::default();
+        let mut earlier = EarlierFrames::default();
         let far = Residuals { p95: 0.02, unmatched: 0.01, ..Residuals::default() };
         let far = FitReport { target_to_source: far, ..report.clone() };
         assert_eq!(judge(far.clone(), measures, &earlier), None);

@@ -26,6 +26,6 @@ pub use choices::{
 };
 pub use config::{EncoderConfig, GridChoice};
 pub use encoder::{Encoder, Finished};
-pub use failure::{FailureTuning, FitFailure, Worst};
+pub use failure::{EarlierFrames, FailureTuning, FitFailure};
 pub use preset::Preset;
 pub use report::{CostReport, FrameReport, StepReport, Summary};

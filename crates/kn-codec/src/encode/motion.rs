@@ -4,7 +4,7 @@ use crate::decode::{Reconstruction, Slot};
 use crate::encode::choices::{CombinationChoice, StepChoice, TranslationChoice};
 use crate::encode::config::EncoderConfig;
 use crate::encode::cost::cheapest;
-use crate::encode::failure::{FitFailure, Worst};
+use crate::encode::failure::{EarlierFrames, FitFailure};
 use crate::encode::frame_settings::FrameSettings;
 use crate::encode::quantise::{StepComponents, StepRange, Steps, quantise_parameters};
 use crate::encode::report::CostReport;
@@ -24,7 +24,7 @@ pub(crate) struct MotionEncoder {
     unit: f64,
     fitter: Option<Fitter>,
     /// What the GoF's next frame is judged against.
-    worst: Worst,
+    earlier: EarlierFrames,
     /// The combination of the GoF's frames, where it is known.
     combination: Option<Combination>,
     /// Where the search for this frame's steps begins.
@@ -53,7 +53,7 @@ impl MotionEncoder {
             tuning,
             unit: f64::from(1_u32 << header.fraction_bits),
             fitter: None,
-            worst: Worst::default(),
+            earlier: EarlierFrames::default(),
             combination: None,
             steps: None,
             reference: Vec::new(),
@@ -64,7 +64,7 @@ impl MotionEncoder {
     /// Begins a GoF; `combination` where one was chosen for all of it.
     pub(crate) fn begin(&mut self, combination: Option<Combination>) {
         self.fitter = None;
-        self.worst = Worst::default();
+        self.earlier = EarlierFrames::default();
         self.steps = None;
         self.combination = combination;
     }
@@ -113,9 +113,9 @@ impl MotionEncoder {
 
     /// Which of the candidates' fits explain the frame; why the first does not, where none does.
     fn explained(&mut self, fits: &[Fit]) -> Result<Vec<usize>, FitFailure> {
-        let (tuning, worst) = (&self.tuning.failure, &self.worst);
-        let failures: Vec<_> = fits.iter().map(|fit| tuning.judge(&fit.report, worst)).collect();
-        fits.iter().for_each(|fit| self.worst.remember(&fit.report));
+        let (tuning, earlier) = (&self.tuning.failure, &self.earlier);
+        let failures: Vec<_> = fits.iter().map(|fit| tuning.judge(&fit.report, earlier)).collect();
+        fits.iter().for_each(|fit| self.earlier.remember(&fit.report));
         let explained: Vec<usize> =
             (0..fits.len()).filter(|&index| failures[index].is_none()).collect();
         match failures.first() {

@@ -2,7 +2,7 @@
 
 use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePlacement};
 use crate::encode::config::EncoderConfig;
-use crate::encode::failure::Worst;
+use crate::encode::failure::EarlierFrames;
 use crate::encode::frame_settings::node_lambda;
 use crate::encode::scan::Scans;
 use crate::encode::tuning::Tuning;
@@ -104,7 +104,8 @@ impl<'a> NodeChooser<'a> {
             bind: &bind,
         };
         let failure = self.tuning.failure;
-        let explains = |report: &FitReport| failure.judge(report, &Worst::default()).is_none();
+        let explains =
+            |report: &FitReport| failure.judge(report, &EarlierFrames::default()).is_none();
         let options = GenerateOptions {
             count: self.count(scans.len()),
             rank_by,
