@@ -20,7 +20,7 @@ fn performer() -> Performer {
 /// A group of three frames.
 fn stream() -> Vec<u8> {
     let performer = performer();
-    let config = EncoderConfig { group_length: 3, nodes: NODES.into(), ..EncoderConfig::default() };
+    let config = EncoderConfig::default().with_group_length(3).with_nodes(NODES);
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     (0..3).for_each(|index| encoder.push(&performer.frame(index)).expect("a sound frame"));
     encoder.finish().expect("a vector takes everything").writer

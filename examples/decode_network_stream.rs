@@ -67,7 +67,7 @@ fn show(received: usize, frame: &FrameInfo) {
 fn performer_stream() -> Result<Vec<u8>> {
     let config = PerformerConfig { vertices: 5_000, ..PerformerConfig::default() };
     let performer = Performer::new(config)?;
-    let config = EncoderConfig { nodes: 100.into(), group_length: 4, ..EncoderConfig::default() };
+    let config = EncoderConfig::default().with_nodes(100).with_group_length(4);
     let mut encoder = Encoder::new(Vec::new(), config)?;
     for index in 0..8 {
         encoder.push(&performer.frame(index))?;

@@ -35,11 +35,11 @@ fn main() -> Result<()> {
 /// Encodes frames as they come and tells what became of each; at most one group is held.
 fn encode<W: Write>(frames: impl Iterator<Item = Result<Mesh>>, writer: W) -> Result<W> {
     let mut frames = frames.peekable();
-    let mut config = EncoderConfig { nodes: 100.into(), ..EncoderConfig::default() };
+    let mut config = EncoderConfig::default().with_nodes(100);
     // The input is not read twice here, so the grid is laid over the first frame's box. Later
     // frames may leave it: integers on the grid are signed.
     let first_box = frames.peek().and_then(|first| first.as_ref().ok()?.bounding_box());
-    config.grid = GridChoice::Bits { bits: 11, bounds: first_box.map(with_room) };
+    config.sequence.grid = GridChoice::Bits { bits: 11, bounds: first_box.map(with_room) };
 
     let mut encoder = Encoder::new(writer, config)?;
     for frame in frames {
@@ -54,7 +54,8 @@ fn encode<W: Write>(frames: impl Iterator<Item = Result<Mesh>>, writer: W) -> Re
 }
 
 fn show(report: &FrameReport) {
-    println!("frame {:2}: {:?}, {} bytes", report.index, report.kind, report.bytes);
+    let frame = report.frame();
+    println!("frame {:2}: {:?}, {} bytes", frame.index, report.kind(), frame.bytes);
 }
 
 /// A person moves: a step that suits the first frame's box and a fifth more on each side.

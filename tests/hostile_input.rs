@@ -7,9 +7,7 @@ use common::{encode, performer, small_config};
 use kn_bitstream::rule;
 use kn_bitstream::unit::{Framing, INDEX, INTRA_FRAME, SizeLimits, read_unit, write_unit};
 use kn_bitstream::{BitWriter, Index, IndexGroup};
-use kn_codec::{
-    DecodeError, DecodeErrorKind, Decoder, EncoderConfig, Limits, Progress, StreamDecoder,
-};
+use kn_codec::{DecodeError, DecodeErrorKind, Decoder, Limits, Progress, StreamDecoder};
 use kn_conform::load_corpus;
 use kn_mesh::Mesh;
 use std::io::Cursor;
@@ -23,7 +21,7 @@ struct Sound {
 }
 
 fn performers() -> Sound {
-    let config = EncoderConfig { group_length: 2, nodes: 12.into(), ..small_config() };
+    let config = small_config().with_group_length(2).with_nodes(12);
     Sound { name: "performer".into(), bytes: encode(&performer(3, 1000), config) }
 }
 

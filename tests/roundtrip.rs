@@ -19,11 +19,10 @@ fn every_combination_and_affine_choice_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
     for combination in Combination::ALL {
         for affine in [AffineChoice::torso(), AffineChoice::All] {
-            let combination = combination.into();
-            digests_hold(&frames, EncoderConfig { combination, affine, ..small_config() });
+            digests_hold(&frames, small_config().with_combination(combination).with_affine(affine));
         }
     }
-    digests_hold(&frames, EncoderConfig { affine: AffineChoice::None, ..small_config() });
+    digests_hold(&frames, small_config().with_affine(AffineChoice::None));
 }
 
 #[test]
@@ -31,15 +30,15 @@ fn every_weight_scheme_mode_and_precision_decodes_to_the_encoders_frames() {
     let frames = performer(3, 2000);
     let gaussian = Weights::gaussian(60);
     for weights in [Weights::INVERSE_SQUARE, Weights::SUMNER, gaussian] {
-        digests_hold(&frames, EncoderConfig { weights, ..small_config() });
+        digests_hold(&frames, small_config().with_weights(weights));
     }
     for nodes_per_vertex in [1, 2, 8] {
-        digests_hold(&frames, EncoderConfig { nodes_per_vertex, ..small_config() });
+        digests_hold(&frames, small_config().with_nodes_per_vertex(nodes_per_vertex));
     }
     for fraction_bits in [0, 3] {
-        digests_hold(&frames, EncoderConfig { fraction_bits, ..small_config() });
+        digests_hold(&frames, small_config().with_fraction_bits(fraction_bits));
     }
-    digests_hold(&frames, EncoderConfig { influence: InfluenceMode::Strict, ..small_config() });
+    digests_hold(&frames, small_config().with_influence(InfluenceMode::Strict));
 }
 
 #[test]
@@ -47,7 +46,7 @@ fn scans_without_labels_are_coded() {
     let mut frames = performer(4, 2000);
     frames.iter_mut().for_each(|frame| frame.labels.clear());
     for affine in [AffineChoice::torso(), AffineChoice::All] {
-        digests_hold(&frames, EncoderConfig { affine, ..small_config() });
+        digests_hold(&frames, small_config().with_affine(affine));
     }
 }
 
@@ -55,7 +54,7 @@ fn scans_without_labels_are_coded() {
 fn groups_of_every_length_hold_all_frames() {
     let frames = performer(5, 1200);
     for group_length in [1, 2, 5, 255] {
-        let stream = encode(&frames, EncoderConfig { group_length, ..small_config() });
+        let stream = encode(&frames, small_config().with_group_length(group_length));
         let mut decoder = Decoder::new(Cursor::new(&stream)).expect("a stream");
         assert_eq!(decoder.frame_count().expect("an index"), 5);
         let mut mesh = Mesh::default();
@@ -96,15 +95,19 @@ fn an_intra_frame_is_the_scan_on_the_grid() {
     let step = 0.004;
     let grid = GridChoice::Step { step, bounds: None };
     let smoothing = SmoothingChoice::Strength(0);
-    let decoded = decode(&encode(&frames, EncoderConfig { grid, smoothing, ..small_config() }));
+    let decoded =
+        decode(&encode(&frames, small_config().with_grid(grid).with_smoothing(smoothing)));
     let (scan, shown) = (&frames[0], &decoded[0].mesh);
     assert_eq!(scan.positions.len(), shown.positions.len());
     assert_eq!(scan.faces.len(), shown.faces.len());
     let mut scan_corners: Vec<_> = scan.positions.iter().map(|p| on_grid(*p, scan, step)).collect();
     let origin = scan.bounding_box().expect("vertices").min;
-    let unit = f64::from(1 << small_config().fraction_bits);
-    let mut shown_corners: Vec<_> =
-        decoded[0].positions.iter().map(|p| p.map(|c| c >> small_config().fraction_bits)).collect();
+    let unit = f64::from(1 << small_config().sequence.fraction_bits);
+    let mut shown_corners: Vec<_> = decoded[0]
+        .positions
+        .iter()
+        .map(|p| p.map(|c| c >> small_config().sequence.fraction_bits))
+        .collect();
     scan_corners.sort_unstable();
     shown_corners.sort_unstable();
     assert_eq!(scan_corners, shown_corners);
@@ -123,10 +126,10 @@ fn smoothing_stays_inside_the_grid_s_uncertainty() {
     let frames = performer(1, 3000);
     let decoded = |smoothing| {
         let grid = GridChoice::Bits { bits: 8, bounds: None };
-        decode(&encode(&frames, EncoderConfig { grid, smoothing, ..small_config() }))
+        decode(&encode(&frames, small_config().with_grid(grid).with_smoothing(smoothing)))
     };
     let plain = &decoded(SmoothingChoice::Strength(0))[0].positions;
-    let half_step = (1 << small_config().fraction_bits) / 2;
+    let half_step = (1 << small_config().sequence.fraction_bits) / 2;
     let mut last = plain.clone();
     for strength in 1..=5 {
         let smooth = decoded(SmoothingChoice::Strength(strength)).remove(0).positions;
@@ -146,7 +149,7 @@ fn on_grid(position: [f32; 3], scan: &Mesh, step: f64) -> [i32; 3] {
 #[test]
 fn frames_are_named_by_the_pattern() {
     let names = Some(FileNames { prefix: "dance_".into(), digits: 4, first: 17 });
-    let stream = encode(&performer(2, 1200), EncoderConfig { names, ..small_config() });
+    let stream = encode(&performer(2, 1200), small_config().with_names(names));
     let mut decoder = Decoder::new(Cursor::new(&stream)).expect("a stream");
     let mut mesh = Mesh::default();
     let mut seen = Vec::new();

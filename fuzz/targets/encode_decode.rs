@@ -52,44 +52,30 @@ impl Frame {
 
 impl Case {
     fn config(&self) -> EncoderConfig {
-        EncoderConfig {
-            grid: GridChoice::Bits { bits: 4 + self.bits % 17, bounds: None },
-            group_length: 1 + self.group_length % 5,
-            nodes: match 1 + usize::from(self.nodes % 24) {
+        EncoderConfig::default().with_grid(GridChoice::Bits { bits: 4 + self.bits % 17, bounds: None }).with_group_length(1 + self.group_length % 5).with_nodes(match 1 + usize::from(self.nodes % 24) {
                 most if self.nodes >= 192 => NodeChoice::Cost { most },
                 count => NodeChoice::Fixed(count),
-            },
-            nodes_per_vertex: 1 + self.nodes_per_vertex % 8,
-            fraction_bits: self.fraction_bits % 9,
-            combination: match self.combination % 11 {
+            }).with_nodes_per_vertex(1 + self.nodes_per_vertex % 8).with_fraction_bits(self.fraction_bits % 9).with_combination(match self.combination % 11 {
                 8 => CombinationChoice::FirstP,
                 9 => CombinationChoice::PerFrame,
                 10 => CombinationChoice::LookAhead,
                 fixed => CombinationChoice::Fixed(Combination::ALL[usize::from(fixed)]),
-            },
-            labels: if self.found { LabelChoice::Auto } else { LabelChoice::Given },
-            affine: match self.affine % 4 {
+            }).with_labels(if self.found { LabelChoice::Auto } else { LabelChoice::Given }).with_affine(match self.affine % 4 {
                 0 => AffineChoice::None,
                 1 => AffineChoice::All,
                 2 => AffineChoice::Cost,
                 _ => AffineChoice::Labels(BodyPart::from_label(self.affine % 15).into_iter().collect()),
-            },
-            smoothing: match self.affine / 4 % 8 {
+            }).with_smoothing(match self.affine / 4 % 8 {
                 strength if strength <= MAX_SMOOTHING => SmoothingChoice::Strength(strength),
                 _ => SmoothingChoice::Auto,
-            },
-            weights: match self.weights % 3 {
+            }).with_weights(match self.weights % 3 {
                 0 => Weights::INVERSE_SQUARE,
                 1 => Weights::SUMNER,
                 _ => Weights::gaussian(1 + u32::from(self.weights)),
-            },
-            influence: if self.strict { InfluenceMode::Strict } else { InfluenceMode::Fallback },
-            motion_step: match self.motion_step {
+            }).with_influence(if self.strict { InfluenceMode::Strict } else { InfluenceMode::Fallback }).with_translation_step(match self.motion_step {
                 0 => StepChoice::Cost,
                 step => StepChoice::Fixed(f64::from(step) / 16.0),
-            },
-            ..EncoderConfig::default()
-        }
+            })
     }
 }
 

@@ -17,7 +17,7 @@ pub(crate) fn performer(count: u32, vertices: usize) -> Vec<Mesh> {
 
 /// Settings for small sequences: groups of three frames, thirty nodes.
 pub(crate) fn small_config() -> EncoderConfig {
-    EncoderConfig { group_length: 3, nodes: 30.into(), ..EncoderConfig::default() }
+    EncoderConfig::default().with_group_length(3).with_nodes(30)
 }
 
 /// The stream of a sequence.

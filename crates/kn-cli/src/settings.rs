@@ -8,21 +8,20 @@ use clap::{Args, Command, FromArgMatches};
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};
 use kn_codec::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, EncoderConfig, GridChoice,
-    NodeChoice, NodePlacement, PartStart, SmoothingChoice, StepChoice, TranslationChoice,
+    NodeChoice, NodePlacement, PartStart, Setting, SmoothingChoice, StepChoice, TranslationChoice,
 };
-use kn_mesh::BoundingBox;
 
 /// What the codec can be told; what is left out stays as the preset has it.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Settings {
     /// Bits for the longest side of the sequence's box [default: 11]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=20))]
+    #[arg(long, value_name = "N")]
     bits: Option<u8>,
     /// Step of the grid in world units, instead of --bits
     #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
     step: Option<f64>,
     /// Frames in a group: an I-frame, then P-frames [default: 8]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    #[arg(long, value_name = "N")]
     gof: Option<u8>,
     /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
     #[arg(long, value_name = "N|P%")]
@@ -71,7 +70,7 @@ pub(crate) struct Settings {
     #[arg(long)]
     weights: Option<Weights>,
     /// Key nodes that move a vertex, Q [default: 4]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    #[arg(long, value_name = "N")]
     nodes_per_vertex: Option<u8>,
     /// Quantiser step of translations in grid steps, or `auto`: all steps by least J in every
     /// P-frame [default: auto]
@@ -90,40 +89,44 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    /// Changes what was told; `bounds` is the box of the sequence.
-    pub(crate) fn apply(&self, config: &mut EncoderConfig, bounds: Option<BoundingBox>) {
+    /// Changes what was told.
+    pub(crate) fn apply(&self, config: &mut EncoderConfig) {
         let set = |setting: &mut u8, value: Option<u8>| *setting = value.unwrap_or(*setting);
-        config.grid = match (self.step, self.bits, &config.grid) {
-            (Some(step), ..) | (None, None, &GridChoice::Step { step, .. }) => {
-                GridChoice::Step { step, bounds }
-            }
-            (None, Some(bits), _) | (None, None, &GridChoice::Bits { bits, .. }) => {
-                GridChoice::Bits { bits, bounds }
-            }
-            (None, None, &GridChoice::Lossless(grid)) => GridChoice::Lossless(grid),
-        };
-        let by_error = self.iframe_error.map(Decimation::Error);
-        config.decimation = self.iframe_faces.or(by_error).or(config.decimation);
-        set(&mut config.group_length, self.gof);
-        set(&mut config.nodes_per_vertex, self.nodes_per_vertex);
-        config.nodes = self.nodes.unwrap_or(config.nodes);
-        config.placement = self.placement.unwrap_or(config.placement);
-        config.influence = self.influence.unwrap_or(config.influence);
-        let fixed = self.combination.map(CombinationChoice::Fixed);
-        config.combination = fixed.or(self.choice).unwrap_or(config.combination);
-        config.distortion = self.distortion.unwrap_or(config.distortion);
-        config.lambda = self.lambda.unwrap_or(config.lambda);
-        config.part_start = self.part_start.unwrap_or(config.part_start);
-        config.translation = self.translation.unwrap_or(config.translation);
-        config.smoothing = self.smoothing.unwrap_or(config.smoothing);
-        config.weights = self.weights.unwrap_or(config.weights);
-        config.motion_step = self.motion_step.unwrap_or(config.motion_step);
-        config.rotation_step = self.rotation_step.or(config.rotation_step);
-        config.scale_step = self.scale_step.or(config.scale_step);
-        config.shear_step = self.shear_step.or(config.shear_step);
-        if let Some(affine) = &self.affine {
-            config.affine = affine.clone();
+        if let Some(bits) = self.bits {
+            config.sequence.grid = GridChoice::Bits { bits, bounds: None };
         }
+        if let Some(step) = self.step {
+            config.sequence.grid = GridChoice::Step { step, bounds: None };
+        }
+        let by_error = self.iframe_error.map(Decimation::Error);
+        config.intra.decimation = self.iframe_faces.or(by_error).or(config.intra.decimation);
+        set(&mut config.sequence.group_length, self.gof);
+        set(&mut config.motion.nodes_per_vertex, self.nodes_per_vertex);
+        config.motion.nodes = self.nodes.unwrap_or(config.motion.nodes);
+        config.motion.placement = self.placement.unwrap_or(config.motion.placement);
+        config.motion.influence = self.influence.unwrap_or(config.motion.influence);
+        let fixed = self.combination.map(CombinationChoice::Fixed);
+        config.motion.combination = fixed.or(self.choice).unwrap_or(config.motion.combination);
+        config.rate.distortion = self.distortion.unwrap_or(config.rate.distortion);
+        config.rate.lambda = self.lambda.unwrap_or(config.rate.lambda);
+        config.motion.part_start = self.part_start.unwrap_or(config.motion.part_start);
+        config.motion.translation = self.translation.unwrap_or(config.motion.translation);
+        config.intra.smoothing = self.smoothing.unwrap_or(config.intra.smoothing);
+        config.motion.weights = self.weights.unwrap_or(config.motion.weights);
+        config.motion.translation_step = self.motion_step.unwrap_or(config.motion.translation_step);
+        config.motion.rotation_step = self.rotation_step.or(config.motion.rotation_step);
+        config.motion.scale_step = self.scale_step.or(config.motion.scale_step);
+        config.motion.shear_step = self.shear_step.or(config.motion.shear_step);
+        if let Some(affine) = &self.affine {
+            config.motion.affine = affine.clone();
+        }
+    }
+
+    /// The flag that was given and has no effect without body parts.
+    pub(crate) fn needs_labels(&self) -> Option<&'static str> {
+        let affine = matches!(self.affine, Some(AffineChoice::Labels(_)));
+        let start = matches!(self.part_start, Some(PartStart::On | PartStart::Auto));
+        affine.then_some("--affine labels").or(start.then_some("--part-start"))
     }
 
     /// Whether a configuration may hold this key: the flags with `_` for `-`.
@@ -149,6 +152,43 @@ impl Settings {
         let matches = flags().try_get_matches_from(flags_of(table)).map_err(|e| first_line(&e))?;
         Self::from_arg_matches(&matches).map_err(|error| first_line(&error))
     }
+}
+
+/// Checks the settings of a command; the message names flags.
+///
+/// # Errors
+/// A value out of its range, or flags that contradict each other.
+pub(crate) fn check_settings(config: &EncoderConfig) -> Result<()> {
+    config.validate().map_err(|error| anyhow!(error.describe(flag_of)))
+}
+
+/// The flag of a setting. Those that no flag sets are named as the library names them.
+fn flag_of(setting: Setting) -> String {
+    let flag = match setting {
+        Setting::Bits => "--bits",
+        Setting::Step => "--step",
+        Setting::Bounds => "the box of all frames",
+        Setting::Lossless => "--lossless",
+        Setting::FrameRate => "--fps",
+        Setting::GroupLength => "--gof",
+        Setting::Names => "the name of the first file",
+        Setting::DecimationFaces => "--iframe-faces",
+        Setting::DecimationError => "--iframe-error",
+        Setting::Smoothing => "--smoothing",
+        Setting::Nodes => "--nodes",
+        Setting::NodesPerVertex => "--nodes-per-vertex",
+        Setting::Weights => "--weights",
+        Setting::Affine => "--affine",
+        Setting::Combination => "--combination",
+        Setting::TranslationStep => "--motion-step",
+        Setting::RotationStep => "--rotation-step",
+        Setting::ScaleStep => "--scale-step",
+        Setting::ShearStep => "--shear-step",
+        Setting::Lambda => "--lambda",
+        Setting::Distortion => "--distortion",
+        other => return other.to_string(),
+    };
+    flag.to_owned()
 }
 
 /// The flags that set what the table sets.
@@ -186,12 +226,27 @@ mod tests {
     fn keys_are_the_flags() {
         let table = "nodes = 40\ncombination = 'RTS'\nmotion_step = 0.5\naffine = 'all'\nbits = 9";
         let mut config = EncoderConfig::default();
-        settings(table).expect("known").apply(&mut config, None);
-        assert_eq!((config.nodes, config.motion_step), (40.into(), StepChoice::Fixed(0.5)));
-        assert_eq!(config.combination, Combination::new(true, true, false).into());
-        assert_eq!(config.affine, kn_codec::AffineChoice::All);
-        assert_eq!(config.grid, GridChoice::Bits { bits: 9, bounds: None });
-        assert_eq!(config.group_length, EncoderConfig::default().group_length);
+        settings(table).expect("known").apply(&mut config);
+        assert_eq!(
+            (config.motion.nodes, config.motion.translation_step),
+            (40.into(), StepChoice::Fixed(0.5))
+        );
+        assert_eq!(config.motion.combination, Combination::new(true, true, false).into());
+        assert_eq!(config.motion.affine, kn_codec::AffineChoice::All);
+        assert_eq!(config.sequence.grid, GridChoice::Bits { bits: 9, bounds: None });
+        assert_eq!(config.sequence.group_length, EncoderConfig::default().sequence.group_length);
+    }
+
+    #[test]
+    fn settings_are_checked_and_named_by_their_flags() {
+        let message = |toml| {
+            let mut config = EncoderConfig::default();
+            settings(toml).expect("known").apply(&mut config);
+            check_settings(&config).expect_err("a mistake").to_string()
+        };
+        assert_eq!(message("gof = 0"), "--gof is 0; it must be from 1 to 255");
+        let both = message("combination = 'RT'\nscale_step = 1.0");
+        assert_eq!(both, "--scale-step is 1, but --combination is RT: no node carries scales");
     }
 
     #[test]
@@ -199,8 +254,8 @@ mod tests {
         let message = |toml| settings(toml).expect_err("a mistake").to_string();
         let unknown = message("motion_stpe = 1");
         assert_eq!(unknown, "there is no setting 'motion_stpe'; did you mean 'motion_step'?");
-        let value = message("gof = 0");
-        assert!(value.contains("'0' for '--gof <N>': 0 is not in 1..=255"), "{value}");
+        let value = message("gof = 300");
+        assert!(value.contains("'300' for '--gof <N>': 300 is not in 0..=255"), "{value}");
         assert!(message("choice = 'per-frame'\ncombination = 'RT'").contains("--choice"));
         assert!(message("bits = 9\nstep = 1.0").contains("--step"), "both exclude each other");
     }

@@ -185,7 +185,10 @@ pub enum EncodeError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The configuration contradicts itself.
-    #[error("configuration: {0}")]
-    Config(String),
+    /// The sequence was finished before a frame was pushed.
+    #[error("a sequence has at least one frame, and none was pushed")]
+    NoFrames,
+    /// A setting is out of its range, or settings contradict each other.
+    #[error("settings: {0}")]
+    Settings(#[from] crate::SettingsError),
 }

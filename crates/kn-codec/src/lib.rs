@@ -21,10 +21,11 @@ pub use limits::Limits;
 mod encode;
 #[cfg(feature = "encode")]
 pub use encode::{
-    AffineChoice, CombinationChoice, CostReport, Decimation, DistortionMeasure, EarlierFrames,
-    Encoder, EncoderConfig, FailureTuning, Finished, FitFailure, FormError, FrameReport,
-    GridChoice, LabelChoice, NodeChoice, NodePlacement, Preset, SmoothingChoice, StepChoice,
-    StepReport, Summary, TranslationChoice,
+    AffineChoice, CodedFrame, CombinationChoice, CostReport, Decimation, DistortionMeasure,
+    EarlierFrames, Encoder, EncoderConfig, FailureTuning, Finished, FitFailure, FormError,
+    FrameReport, GridChoice, IntraConfig, IntraReport, LabelChoice, MotionConfig, NodeChoice,
+    NodePlacement, PredictedReport, Preset, RateConfig, SequenceConfig, Setting, SettingsError,
+    SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

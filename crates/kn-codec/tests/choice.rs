@@ -2,8 +2,8 @@
 
 use kn_bitstream::params::{Combination, InfluenceMode};
 use kn_codec::{
-    AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, FrameReport, LabelChoice,
-    NodeChoice, StepChoice,
+    AffineChoice, CombinationChoice, CostReport, Encoder, EncoderConfig, LabelChoice, NodeChoice,
+    PredictedReport, StepChoice,
 };
 use kn_mesh::Mesh;
 use kn_performer::{Performer, PerformerConfig};
@@ -19,27 +19,22 @@ fn performer() -> Vec<Mesh> {
 }
 
 fn config() -> EncoderConfig {
-    EncoderConfig {
-        group_length: 4,
-        nodes: 40.into(),
-        labels: LabelChoice::Given,
-        ..EncoderConfig::default()
-    }
+    EncoderConfig::default().with_group_length(4).with_nodes(40).with_labels(LabelChoice::Given)
 }
 
 /// The stream, and the reports of its P-frames.
-fn encode(frames: &[Mesh], config: EncoderConfig) -> (Vec<u8>, Vec<FrameReport>) {
+fn encode(frames: &[Mesh], config: EncoderConfig) -> (Vec<u8>, Vec<PredictedReport>) {
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     frames.iter().for_each(|frame| encoder.push(frame).expect("a sound frame"));
     let reports: Vec<_> = encoder.drain_reports().collect();
     let finished = encoder.finish().expect("a vector takes everything");
     let reports = reports.into_iter().chain(finished.reports);
-    (finished.writer, reports.filter(|report| report.combination.is_some()).collect())
+    (finished.writer, reports.filter_map(|report| report.predicted().cloned()).collect())
 }
 
 /// J of all P-frames.
-fn cost(reports: &[FrameReport]) -> f64 {
-    let total = |report: &FrameReport| report.cost.expect("chosen by cost").total;
+fn cost(reports: &[PredictedReport]) -> f64 {
+    let total = |report: &PredictedReport| report.cost.expect("chosen by cost").total;
     reports.iter().map(total).sum()
 }
 
@@ -47,17 +42,17 @@ fn cost(reports: &[FrameReport]) -> f64 {
 fn a_forced_combination_is_obeyed() {
     let frames = performer();
     for combination in [Combination::ALL[0], Combination::ALL[5], Combination::RTSH] {
-        let forced = EncoderConfig { combination: combination.into(), ..config() };
+        let forced = config().with_combination(combination);
         let (_, reports) = encode(&frames, forced);
         assert_eq!(reports.len(), 3);
-        assert!(reports.iter().all(|report| report.combination == Some(combination)));
+        assert!(reports.iter().all(|report| report.combination == combination));
     }
 }
 
 #[test]
 fn what_looks_at_more_costs_no_more() {
     let frames = performer();
-    let with = |combination| encode(&frames, EncoderConfig { combination, ..config() }).1;
+    let with = |combination| encode(&frames, config().with_combination(combination)).1;
     let first = with(CombinationChoice::FirstP);
     assert!(first.iter().all(|report| report.combination == first[0].combination));
     let each = cost(&with(CombinationChoice::PerFrame));
@@ -71,7 +66,7 @@ fn what_looks_at_more_costs_no_more() {
 fn steps_by_cost_cost_no_more_than_usual_ones() {
     let frames = performer();
     let first_frame = |motion_step| {
-        let (_, reports) = encode(&frames, EncoderConfig { motion_step, ..config() });
+        let (_, reports) = encode(&frames, config().with_translation_step(motion_step));
         reports[0].cost.expect("chosen by cost").total
     };
     assert!(first_frame(StepChoice::Cost) <= first_frame(StepChoice::Fixed(2.0)));
@@ -82,14 +77,14 @@ fn as_many_nodes_as_pay() {
     let moving = performer();
     let still = [(); 4].map(|()| moving[0].clone());
     let nodes = |frames: &[Mesh], lambda| {
-        let config = EncoderConfig { lambda, nodes: NodeChoice::default(), ..config() };
+        let config = config().with_lambda(lambda).with_nodes(NodeChoice::default());
         encode(frames, config).1[0].nodes
     };
     let (cheap, usual, dear) = (nodes(&moving, 1e-6), nodes(&moving, 3e-5), nodes(&moving, 1e-3));
     assert!(cheap > usual && usual > dear && dear >= 1, "{cheap}, {usual}, {dear} nodes");
     let (idle, usual) = (nodes(&still, 3e-5), usual);
     assert!(idle < usual, "{idle} nodes for what rests, {usual} for what moves");
-    let few = EncoderConfig { nodes: NodeChoice::Cost { most: 7 }, ..config() };
+    let few = config().with_nodes(NodeChoice::Cost { most: 7 });
     assert!(encode(&moving, few).1[0].nodes <= 7);
 }
 
@@ -100,7 +95,7 @@ fn every_region_keeps_a_node() {
     let still = [(); 3].map(|()| moving[0].clone());
     let influence = InfluenceMode::Strict;
     let config =
-        EncoderConfig { influence, nodes: NodeChoice::default(), lambda: 1e-3, ..config() };
+        config().with_influence(influence).with_nodes(NodeChoice::default()).with_lambda(1e-3);
     // It would be an error.
     let (_, reports) = encode(&still, config);
     assert_eq!(reports.len(), 2);
@@ -110,8 +105,8 @@ fn every_region_keeps_a_node() {
 fn bytes_fall_with_lambda() {
     let frames = performer();
     let bytes = |lambda| {
-        let (_, reports) = encode(&frames, EncoderConfig { lambda, ..config() });
-        let sum = |sum: u64, report: &FrameReport| {
+        let (_, reports) = encode(&frames, config().with_lambda(lambda));
+        let sum = |sum: u64, report: &PredictedReport| {
             let CostReport { bytes, distortion, total } = report.cost.expect("chosen by cost");
             assert!((total - distortion - lambda * bytes as f64).abs() < 1e-12);
             sum + bytes
@@ -127,7 +122,7 @@ fn nodes_are_affine_where_that_pays() {
     let frames = performer();
     let affine = |lambda| {
         let affine = AffineChoice::Cost;
-        let (_, reports) = encode(&frames, EncoderConfig { affine, lambda, ..config() });
+        let (_, reports) = encode(&frames, config().with_affine(affine).with_lambda(lambda));
         reports[0].affine_nodes
     };
     let (free, dear) = (affine(0.0), affine(1.0));
@@ -140,7 +135,7 @@ fn choices_do_not_depend_on_threads() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let combination = CombinationChoice::PerFrame;
-        let chosen = EncoderConfig { affine: AffineChoice::Cost, combination, ..config() };
+        let chosen = config().with_affine(AffineChoice::Cost).with_combination(combination);
         pool.install(|| encode(&frames, chosen))
     };
     let (one, three) = (with(1), with(3));

@@ -22,7 +22,7 @@ fn performer(ball: bool) -> Vec<Mesh> {
 
 /// Encodes with all frames in one group, if they let it; checks that every frame decodes.
 fn encode(frames: &[Mesh]) -> Vec<FrameReport> {
-    let config = EncoderConfig { group_length: 16, nodes: 80.into(), ..EncoderConfig::default() };
+    let config = EncoderConfig::default().with_group_length(16).with_nodes(80);
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");
     frames.iter().for_each(|frame| encoder.push(frame).expect("a sound frame"));
     let finished = encoder.finish().expect("a vector takes everything");
@@ -32,7 +32,7 @@ fn encode(frames: &[Mesh]) -> Vec<FrameReport> {
     let mut mesh = Mesh::default();
     for report in &finished.reports {
         let frame = decoder.next_frame(&mut mesh).expect("sound").expect("a frame");
-        assert_eq!((frame.index, frame.kind), (report.index, report.kind));
+        assert_eq!((frame.index, frame.kind), (report.frame().index, report.kind()));
     }
     finished.reports
 }
@@ -41,12 +41,13 @@ fn encode(frames: &[Mesh]) -> Vec<FrameReport> {
 #[track_caller]
 fn begins_anew_at_the_change(frames: &[Mesh], reason: &[&str]) {
     let reports = encode(frames);
-    let intra = |report: &&FrameReport| report.kind == FrameKind::Intra;
-    let found: Vec<(u64, Option<&str>)> =
-        reports.iter().filter(intra).map(|r| (r.index, r.reason.as_deref())).collect();
+    let intra = |report: &&FrameReport| report.kind() == FrameKind::Intra;
+    let reason_of = |report: &FrameReport| report.intra()?.reason.map(|reason| reason.to_string());
+    let found: Vec<(u64, Option<String>)> =
+        reports.iter().filter(intra).map(|r| (r.frame().index, reason_of(r))).collect();
     assert_eq!(found.len(), 2, "{found:?}");
-    assert_eq!((found[0], found[1].0), ((0, None), CHANGE as u64));
-    let told = found[1].1.unwrap_or("no reason");
+    assert_eq!((&found[0], found[1].0), (&(0, None), CHANGE as u64));
+    let told = found[1].1.as_deref().unwrap_or("no reason");
     assert!(reason.iter().any(|reason| told.contains(reason)), "{told}");
 }
 
@@ -68,8 +69,9 @@ fn move_part(mesh: &mut Mesh, part: &[u8], way: [f32; 3]) {
 #[test]
 fn an_ordinary_walk_is_one_group() {
     let reports = encode(&performer(false));
-    assert!(reports.iter().all(|report| report.reason.is_none()), "{reports:?}");
-    assert!(reports[1..].iter().all(|report| report.kind == FrameKind::Predicted));
+    let anew = |report: &FrameReport| report.intra().is_some_and(|intra| intra.reason.is_some());
+    assert!(!reports.iter().any(anew), "{reports:?}");
+    assert!(reports[1..].iter().all(|report| report.kind() == FrameKind::Predicted));
 }
 
 #[test]

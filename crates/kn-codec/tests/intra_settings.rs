@@ -47,15 +47,13 @@ fn integers_come_back_to_the_last_bit() {
     frames.iter().for_each(|mesh| search.include(&mesh.positions));
     let grid = search.grid().expect("integers");
     assert_eq!(grid.step, 1.0);
-    let config = EncoderConfig {
-        grid: GridChoice::Lossless(grid),
-        group_length: 1,
-        vertex_maps: true,
-        ..EncoderConfig::default()
-    };
+    let config = EncoderConfig::default()
+        .with_grid(GridChoice::Lossless(grid))
+        .with_group_length(1)
+        .with_vertex_maps(true);
     let (file, reports) = encode(config.clone(), &frames).expect("encoded");
     for ((mesh, decoded), report) in frames.iter().zip(decode(&file)).zip(reports) {
-        let map = report.vertex_map.expect("asked for");
+        let map = report.intra().and_then(|intra| intra.vertex_map.clone()).expect("asked for");
         assert_eq!(map.len(), mesh.positions.len());
         for (position, &target) in mesh.positions.iter().zip(&map) {
             let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
@@ -66,33 +64,32 @@ fn integers_come_back_to_the_last_bit() {
     moved[1].positions[7][0] += 0.25;
     let error = encode(config.clone(), &moved).expect_err("off the grid").to_string();
     assert_eq!(error, "frame 1: vertex 7 does not lie on the lossless grid");
-    for wrong in [
-        EncoderConfig { group_length: 2, ..config.clone() },
-        EncoderConfig { decimation: Some(Decimation::Share(0.5)), ..config },
-    ] {
-        assert!(matches!(encode(wrong, &moved), Err(EncodeError::Config(_))));
+    for wrong in
+        [config.clone().with_group_length(2), config.with_decimation(Some(Decimation::Share(0.5)))]
+    {
+        assert!(matches!(encode(wrong, &moved), Err(EncodeError::Settings(_))));
     }
 }
 
 #[test]
 fn p_frames_deform_a_decimated_i_frame() {
     let frames = frames(3, 0.0);
-    let config = EncoderConfig {
-        decimation: Some(Decimation::Share(0.25)),
-        vertex_maps: true,
-        group_length: 3,
-        nodes: 60.into(),
-        ..EncoderConfig::default()
-    };
+    let config = EncoderConfig::default()
+        .with_decimation(Some(Decimation::Share(0.25)))
+        .with_vertex_maps(true)
+        .with_group_length(3)
+        .with_nodes(60);
     let (file, reports) = encode(config, &frames).expect("encoded");
     let decoded = decode(&file);
     assert_eq!(decoded.len(), 3);
-    let [intra, predicted @ ..] = &reports[..] else { panic!("no reports") };
-    assert_eq!(intra.input_faces as usize, frames[0].faces.len());
-    assert!(4 * intra.faces <= intra.input_faces && 5 * intra.faces > intra.input_faces);
+    let [FrameReport::Intra(intra), predicted @ ..] = &reports[..] else { panic!("no I-frame") };
+    let (faces, input_faces) = (intra.frame.faces, intra.frame.input_faces);
+    assert_eq!(input_faces as usize, frames[0].faces.len());
+    assert!(4 * faces <= input_faces && 5 * faces > input_faces);
     let diagonal = frames[0].bounding_box().expect("a box").diagonal();
     assert!(intra.decimation_error > 0.0 && intra.decimation_error < 0.03 * diagonal);
-    assert!(predicted.iter().all(|frame| frame.fit_rms < 0.01 * diagonal));
+    let rms = |report: &FrameReport| report.predicted().expect("a P-frame").fit_rms;
+    assert!(predicted.iter().all(|report| rms(report) < 0.01 * diagonal));
     let map = intra.vertex_map.as_ref().expect("asked for");
     // Rounded to the grid, and smoothed within it.
     let step = 1.5 * diagonal / 2047.0;
@@ -100,5 +97,5 @@ fn p_frames_deform_a_decimated_i_frame() {
         let found = decoded[0].positions[target as usize];
         assert!((0..3).all(|k| f64::from((found[k] - position[k]).abs()) < step));
     }
-    assert_eq!(map.iter().filter(|&&t| t != DROPPED).count(), intra.vertices as usize);
+    assert_eq!(map.iter().filter(|&&t| t != DROPPED).count(), intra.frame.vertices as usize);
 }

@@ -8,12 +8,10 @@ use std::io::Cursor;
 
 /// Settings in which nothing is chosen by cost, so that rows differ in what they name alone.
 pub(crate) fn without_choices() -> EncoderConfig {
-    EncoderConfig {
-        labels: kn_codec::LabelChoice::Given,
-        combination: kn_codec::params::Combination::RTSH.into(),
-        motion_step: StepChoice::Fixed(2.0),
-        ..EncoderConfig::default()
-    }
+    EncoderConfig::default()
+        .with_labels(kn_codec::LabelChoice::Given)
+        .with_combination(kn_codec::params::Combination::RTSH)
+        .with_translation_step(StepChoice::Fixed(2.0))
 }
 
 /// The bytes of the P-frames, and all frames as they are decoded.

@@ -9,7 +9,7 @@
 
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result};
-use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
+use kn_codec::{AffineChoice, GridChoice, NodePlacement};
 use kn_io::{Inputs, LabelSource, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
 use std::path::PathBuf;
@@ -32,14 +32,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
         for (number, group) in frames.chunks(GROUP).enumerate() {
             let scans: Vec<Surface> = group[1..].iter().map(Surface::new).collect::<Result<_>>()?;
             let measure = |placement| -> Result<[f64; 3]> {
-                let config = EncoderConfig {
-                    grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
-                    group_length: GROUP as u8,
-                    nodes: nodes.into(),
-                    placement,
-                    affine: AffineChoice::None,
-                    ..without_choices()
-                };
+                let config = without_choices()
+                    .with_grid(GridChoice::Bits { bits: 11, bounds: Some(bounds) })
+                    .with_group_length(GROUP as u8)
+                    .with_nodes(nodes)
+                    .with_placement(placement)
+                    .with_affine(AffineChoice::None);
                 let (bytes, shown) = code(group, config)?;
                 mean(&scans, &shown[1..], bytes, &bounds)
             };

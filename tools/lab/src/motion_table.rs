@@ -10,7 +10,7 @@
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result, ensure};
 use kn_codec::params::Weights;
-use kn_codec::{AffineChoice, EncoderConfig, GridChoice, NodePlacement};
+use kn_codec::{AffineChoice, GridChoice, NodePlacement};
 use kn_io::{Inputs, ReadOptions};
 use kn_mesh::{BoundingBox, Mesh, clean};
 use kn_performer::{Performer, PerformerConfig};
@@ -87,15 +87,13 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     let surfaces: Vec<Surface> = frames.iter().skip(1).map(Surface::new).collect::<Result<_>>()?;
     for setting in settings() {
         let frames = if setting.labelled { &labelled } else { &frames };
-        let config = EncoderConfig {
-            grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
-            group_length: u8::try_from(frames.len())?,
-            nodes: setting.nodes.into(),
-            affine: setting.affine.clone(),
-            weights: setting.weights,
-            placement: setting.placement,
-            ..without_choices()
-        };
+        let config = without_choices()
+            .with_grid(GridChoice::Bits { bits: 11, bounds: Some(bounds) })
+            .with_group_length(u8::try_from(frames.len())?)
+            .with_nodes(setting.nodes)
+            .with_affine(setting.affine.clone())
+            .with_weights(setting.weights)
+            .with_placement(setting.placement);
         let (bytes, decoded) = code(frames, config)?;
         let measured = surfaces.iter().zip(&decoded[1..]);
         let measured = measured.map(|(scan, shown)| measure(scan, shown, &bounds));

@@ -111,11 +111,9 @@ fn common_box(scans: &[Mesh]) -> Option<BoundingBox> {
 }
 
 fn encode(scans: &[Mesh], bounds: BoundingBox, stream: &Path, global: &Global) -> Result<()> {
-    let config = EncoderConfig {
-        grid: GridChoice::Bits { bits: 11, bounds: Some(bounds) },
-        unit: UnitOfLength::Metre,
-        ..EncoderConfig::default()
-    };
+    let config = EncoderConfig::default()
+        .with_grid(GridChoice::Bits { bits: 11, bounds: Some(bounds) })
+        .with_unit(UnitOfLength::Metre);
     let bar = progress::bar(global, "encoding", Some(scans.len() as u64));
     write_file(stream, |out| {
         let mut encoder = Encoder::new(out, config)?;

@@ -11,15 +11,15 @@ use crate::choices::{self, LabelArgument, named};
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
-use crate::settings::Settings;
-use anyhow::{Context, Result};
+use crate::settings::{Settings, check_settings};
+use anyhow::{Context, Result, bail};
 use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis};
 use kn_codec::{
     AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, NodeChoice, Preset,
     StepChoice, Summary,
 };
 use kn_io::{InputFrame, Inputs, ReadOptions};
-use kn_mesh::{Cleaned, Mesh};
+use kn_mesh::{Cleaned, Grid, Mesh};
 use kn_segment::check_labels;
 use kn_sequence::{SequenceError, clean_scan, clean_surface};
 use report::Report;
@@ -91,17 +91,17 @@ pub(crate) struct EncodeArguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcome> {
     let start = Instant::now();
+    let mut config = arguments.config()?;
     let inputs = arguments.find_inputs()?;
     let outputs = arguments.check_outputs(&inputs)?;
     let maps = arguments.vertex_maps.as_deref().map(|folder| VertexMaps::new(folder, outputs));
     let mut maps = maps.transpose()?;
     let survey = Survey::new(&inputs, global)?;
-    let config = arguments.config(&survey)?;
-    let step = config.grid.step().context("the grid has no step")?;
-    survey.check_step(step)?;
+    arguments.fit_to(&mut config, &survey)?;
+    let step = config.sequence.grid.step().context("the grid has no step")?;
     let settings = arguments.settings(&config, &survey);
-    let labelled = survey.labelled || config.labels == LabelChoice::Auto;
-    let lost = !labelled && matches!(config.affine, AffineChoice::Labels(_));
+    let labelled = survey.labelled || config.intra.labels == LabelChoice::Auto;
+    let lost = !labelled && matches!(config.motion.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let summary = write_file(&arguments.output, |writer| {
         let clean = if arguments.lossless { clean_scan } else { clean_surface };
@@ -135,7 +135,7 @@ fn encode(
     global: &Global,
 ) -> Result<Summary> {
     let bar = progress::bar(global, "encoding", Some(inputs.len() as u64));
-    let up_axis = config.up_axis;
+    let up_axis = config.sequence.up_axis;
     let mut encoder = Encoder::new(writer, config)?;
     for frame in inputs.frames() {
         let frame = frame?;
@@ -164,7 +164,7 @@ fn encode(
 
 fn tell(frame: FrameReport, report: &mut Report, maps: &mut Option<VertexMaps>) -> Result<()> {
     if let Some(maps) = maps {
-        maps.coded(frame.vertex_map.as_deref())?;
+        maps.coded(frame.intra().and_then(|report| report.vertex_map.as_deref()))?;
     }
     report.coded(frame);
     Ok(())
@@ -193,27 +193,45 @@ impl EncodeArguments {
         Ok(outputs)
     }
 
-    fn config(&self, survey: &Survey) -> Result<EncoderConfig> {
-        let mut config = EncoderConfig {
-            frame_rate: self.fps,
-            unit: self.unit,
-            up_axis: self.up,
-            names: FileNames::of_all(&survey.names),
-            vertex_maps: self.vertex_maps.is_some(),
-            ..self.preset.config()
-        };
-        config.labels = LabelArgument::choice(self.labels.as_ref(), config.labels);
-        self.settings.apply(&mut config, survey.bounds);
+    /// The settings, checked before any file is read. The grid is fitted to the scans later.
+    fn config(&self) -> Result<EncoderConfig> {
+        let preset = self.preset.config();
+        let labels = LabelArgument::choice(self.labels.as_ref(), preset.intra.labels);
+        let mut config = preset
+            .with_frame_rate(self.fps)
+            .with_unit(self.unit)
+            .with_up_axis(self.up)
+            .with_labels(labels)
+            .with_vertex_maps(self.vertex_maps.is_some());
+        self.settings.apply(&mut config);
         if self.lossless {
-            config.grid = GridChoice::Lossless(survey.lossless_grid()?);
-            config.group_length = 1;
+            let any = Grid { origin: [0.0; 3], step: 1.0 };
+            config = config.with_grid(GridChoice::Lossless(any)).with_group_length(1);
         }
+        let unlabelled = self.labels == Some(LabelArgument::None);
+        if let Some(flag) = self.settings.needs_labels().filter(|_| unlabelled) {
+            bail!("{flag} needs body parts, but --labels is none");
+        }
+        check_settings(&config)?;
         Ok(config)
+    }
+
+    /// The grid and the names that the scans ask for.
+    fn fit_to(&self, config: &mut EncoderConfig, survey: &Survey) -> Result<()> {
+        let sequence = &mut config.sequence;
+        sequence.names = FileNames::of_all(&survey.names);
+        sequence.grid = match sequence.grid {
+            GridChoice::Lossless(_) => GridChoice::Lossless(survey.lossless_grid()?),
+            grid => grid.with_bounds(survey.bounds),
+        };
+        let step = config.sequence.grid.step().context("the grid has no step")?;
+        survey.check_step(step)?;
+        check_settings(config)
     }
 
     /// The settings for the report.
     fn settings(&self, config: &EncoderConfig, survey: &Survey) -> Value {
-        let (bits, step) = match config.grid {
+        let (bits, step) = match config.sequence.grid {
             GridChoice::Bits { bits, .. } => (Some(bits), None),
             GridChoice::Step { step, .. } => (None, Some(step)),
             GridChoice::Lossless(grid) => (None, Some(grid.step)),
@@ -225,21 +243,21 @@ impl EncodeArguments {
             "bits": bits,
             "step": step,
             "lossless": self.lossless,
-            "decimation": config.decimation.map(|decimation| decimation.to_string()),
-            "gof": config.group_length,
-            "nodes": config.nodes.most(),
-            "nodes_by_cost": matches!(config.nodes, NodeChoice::Cost { .. }),
-            "placement": config.placement.to_string(),
+            "decimation": config.intra.decimation.map(|decimation| decimation.to_string()),
+            "gof": config.sequence.group_length,
+            "nodes": config.motion.nodes.most(),
+            "nodes_by_cost": matches!(config.motion.nodes, NodeChoice::Cost { .. }),
+            "placement": config.motion.placement.to_string(),
             "fps": self.fps.per_second(),
-            "influence": config.influence.to_string(),
-            "labels": labels_name(config.labels, survey),
-            "affine": config.affine.to_string(),
-            "combination": config.combination.to_string(),
-            "distortion": config.distortion.to_string(),
-            "lambda": config.lambda,
-            "part_start": config.part_start.to_string(),
-            "translation": config.translation.to_string(),
-            "motion_step": match config.motion_step {
+            "influence": config.motion.influence.to_string(),
+            "labels": labels_name(config.intra.labels, survey),
+            "affine": config.motion.affine.to_string(),
+            "combination": config.motion.combination.to_string(),
+            "distortion": config.rate.distortion.to_string(),
+            "lambda": config.rate.lambda,
+            "part_start": config.motion.part_start.to_string(),
+            "translation": config.motion.translation.to_string(),
+            "motion_step": match config.motion.translation_step {
                 StepChoice::Fixed(step) => json!(step),
                 StepChoice::Cost => json!("auto"),
             },

@@ -1,4 +1,4 @@
-//! What an encoder can be told.
+//! Settings of an encoder.
 
 use crate::encode::choices::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodeChoice,
@@ -32,6 +32,16 @@ pub enum GridChoice {
 }
 
 impl GridChoice {
+    /// The same choice for a sequence with this box; a lossless grid has its own origin.
+    #[must_use]
+    pub fn with_bounds(self, bounds: Option<BoundingBox>) -> Self {
+        match self {
+            Self::Bits { bits, .. } => Self::Bits { bits, bounds },
+            Self::Step { step, .. } => Self::Step { step, bounds },
+            Self::Lossless(grid) => Self::Lossless(grid),
+        }
+    }
+
     /// The step in world units; `None` for bits of a box that the first frame will tell.
     pub fn step(&self) -> Option<f64> {
         match *self {
@@ -48,55 +58,93 @@ pub(crate) fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
     if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
 }
 
-/// Settings of an [`crate::Encoder`]; the default is the preset `default`: bi-modal, with as many key
-/// nodes as pay.
-#[derive(Clone, Debug, PartialEq)]
+/// Settings of an [`crate::Encoder`], by what they concern. The default is the preset `default`:
+/// bi-modal, with as many key nodes as pay for their bytes.
+///
+/// Settings are changed by the chainable `with_…` methods or through the fields of the groups. They
+/// are checked by [`Self::validate`], which [`crate::Encoder::new`] calls.
+///
+/// ```
+/// use kn_codec::{AffineChoice, EncoderConfig};
+///
+/// let config = EncoderConfig::default().with_bits(12).with_nodes(150).with_affine(AffineChoice::All);
+/// assert!(config.validate().is_ok());
+/// assert!(config.with_lambda(-1.0).validate().is_err());
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct EncoderConfig {
-    /// The grid of the whole sequence.
+    /// What holds for the whole sequence.
+    pub sequence: SequenceConfig,
+    /// How I-frames are coded.
+    pub intra: IntraConfig,
+    /// How P-frames are coded.
+    pub motion: MotionConfig,
+    /// How bytes are weighed against distortion.
+    pub rate: RateConfig,
+}
+
+/// Settings of the whole sequence.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SequenceConfig {
+    /// The grid of all frames.
     pub grid: GridChoice,
-    /// Whether and how far I-frames are decimated.
-    pub decimation: Option<Decimation>,
-    /// Whether reports of I-frames have a vertex map.
-    pub vertex_maps: bool,
-    /// Where body-part labels come from.
-    pub labels: LabelChoice,
-    /// Frames in a group of frames, 1 to 255.
-    pub group_length: u8,
-    /// Key nodes in a group of frames.
-    pub nodes: NodeChoice,
-    /// Where the nodes are put.
-    pub placement: NodePlacement,
-    /// Frames per second.
+    /// Frames per second; carried, not interpreted.
     pub frame_rate: FrameRate,
-    /// Unit of the world coordinates.
+    /// Unit of the world coordinates; carried, not interpreted.
     pub unit: UnitOfLength,
     /// The axis that points up.
     pub up_axis: UpAxis,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
-    /// Smoothing of I-frames.
+    /// Most frames in a group of frames, 1 to 255.
+    pub group_length: u8,
+    /// Whether frames carry digests (8 bytes each).
+    pub digests: bool,
+    /// Names of the input files, where they follow a pattern.
+    pub names: Option<FileNames>,
+}
+
+/// Settings of I-frames.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct IntraConfig {
+    /// Whether and how far I-frames are decimated.
+    pub decimation: Option<Decimation>,
+    /// How strongly they are smoothed.
     pub smoothing: SmoothingChoice,
-    /// Q, 1 to 8.
+    /// Where the body-part labels of their vertices come from.
+    pub labels: LabelChoice,
+    /// Whether their reports have a vertex map.
+    pub vertex_maps: bool,
+}
+
+/// Settings of P-frames: key nodes, and the motion that they carry.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MotionConfig {
+    /// Key nodes in a group of frames.
+    pub nodes: NodeChoice,
+    /// Where the nodes are put.
+    pub placement: NodePlacement,
+    /// Q: nodes that move a vertex, 1 to 8.
     pub nodes_per_vertex: u8,
-    /// Distance to weight.
+    /// From the distance of a node to its weight.
     pub weights: Weights,
     /// What happens where a region has no node.
     pub influence: InfluenceMode,
     /// Which nodes are affine.
     pub affine: AffineChoice,
-    /// Combination of affine nodes.
+    /// Components of affine nodes.
     pub combination: CombinationChoice,
-    /// What D is measured by where something is chosen by J = D + λR.
-    pub distortion: DistortionMeasure,
-    /// λ: the distortion that a byte of a P-frame is worth, 0 or more.
-    pub lambda: f64,
     /// Whether labelled parts are first aligned rigidly, before their nodes move (the paper's
-    /// segment-guided correspondence); nothing happens without labels.
+    /// segment-guided correspondence). Nothing happens without labels.
     pub part_start: PartStart,
     /// What translations are predicted from.
     pub translation: TranslationChoice,
     /// Quantiser step of translations.
-    pub motion_step: StepChoice,
+    pub translation_step: StepChoice,
     /// Quantiser step of rotations, as how far it moves a vertex at the mean distance from its node,
     /// in grid steps; `None` is as far as that of translations, or by cost where that one is.
     pub rotation_step: Option<f64>,
@@ -104,45 +152,131 @@ pub struct EncoderConfig {
     pub scale_step: Option<f64>,
     /// Likewise of shears; `None` is twice as far, or by cost.
     pub shear_step: Option<f64>,
-    /// Whether frames carry digests (8 bytes each).
-    pub digests: bool,
-    /// Names of the frames, where they follow a pattern.
-    pub names: Option<FileNames>,
 }
 
-impl Default for EncoderConfig {
+/// Settings of the choices by J = D + λR.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RateConfig {
+    /// λ: the distortion that a byte of a P-frame is worth, 0 or more.
+    pub lambda: f64,
+    /// What D is measured by.
+    pub distortion: DistortionMeasure,
+}
+
+impl Default for SequenceConfig {
     fn default() -> Self {
         Self {
             grid: GridChoice::Bits { bits: 11, bounds: None },
-            decimation: None,
-            vertex_maps: false,
-            labels: LabelChoice::Auto,
-            group_length: 8,
-            nodes: NodeChoice::default(),
-            placement: NodePlacement::default(),
             frame_rate: FrameRate::default(),
             unit: UnitOfLength::Unspecified,
             up_axis: UpAxis::Y,
             fraction_bits: 8,
-            smoothing: SmoothingChoice::Auto,
-            nodes_per_vertex: 4,
-            weights: Weights::SUMNER,
-            influence: InfluenceMode::Fallback,
-            affine: AffineChoice::torso(),
-            combination: CombinationChoice::FirstP,
-            distortion: DistortionMeasure::Surrogate,
-            lambda: LAMBDA,
-            part_start: PartStart::On,
-            translation: TranslationChoice::Cost,
-            motion_step: StepChoice::Cost,
-            rotation_step: None,
-            scale_step: None,
-            shear_step: None,
+            group_length: 8,
             digests: true,
             names: None,
         }
     }
 }
 
+impl Default for IntraConfig {
+    fn default() -> Self {
+        Self {
+            decimation: None,
+            smoothing: SmoothingChoice::Auto,
+            labels: LabelChoice::Auto,
+            vertex_maps: false,
+        }
+    }
+}
+
+impl Default for MotionConfig {
+    fn default() -> Self {
+        Self {
+            nodes: NodeChoice::default(),
+            placement: NodePlacement::default(),
+            nodes_per_vertex: 4,
+            weights: Weights::SUMNER,
+            influence: InfluenceMode::Fallback,
+            affine: AffineChoice::torso(),
+            combination: CombinationChoice::FirstP,
+            part_start: PartStart::On,
+            translation: TranslationChoice::Cost,
+            translation_step: StepChoice::Cost,
+            rotation_step: None,
+            scale_step: None,
+            shear_step: None,
+        }
+    }
+}
+
+impl Default for RateConfig {
+    fn default() -> Self {
+        Self { lambda: LAMBDA, distortion: DistortionMeasure::Surrogate }
+    }
+}
+
 /// See `docs/notes/choice.md`.
 const LAMBDA: f64 = 3e-5;
+
+/// The chainable setter of each field: `name: argument => group.field`.
+macro_rules! setters {
+    ($($name:ident: $argument:ty => $group:ident.$field:ident of $config:ident,)*) => {
+        impl EncoderConfig {
+            $(
+                #[doc = concat!("Sets [`", stringify!($config), "::", stringify!($field), "`].")]
+                #[must_use]
+                pub fn $name(mut self, $field: $argument) -> Self {
+                    self.$group.$field = $field.into();
+                    self
+                }
+            )*
+        }
+    };
+}
+
+setters! {
+    with_grid: GridChoice => sequence.grid of SequenceConfig,
+    with_frame_rate: FrameRate => sequence.frame_rate of SequenceConfig,
+    with_unit: UnitOfLength => sequence.unit of SequenceConfig,
+    with_up_axis: UpAxis => sequence.up_axis of SequenceConfig,
+    with_fraction_bits: u8 => sequence.fraction_bits of SequenceConfig,
+    with_group_length: u8 => sequence.group_length of SequenceConfig,
+    with_digests: bool => sequence.digests of SequenceConfig,
+    with_names: impl Into<Option<FileNames>> => sequence.names of SequenceConfig,
+    with_decimation: impl Into<Option<Decimation>> => intra.decimation of IntraConfig,
+    with_smoothing: SmoothingChoice => intra.smoothing of IntraConfig,
+    with_labels: LabelChoice => intra.labels of IntraConfig,
+    with_vertex_maps: bool => intra.vertex_maps of IntraConfig,
+    with_nodes: impl Into<NodeChoice> => motion.nodes of MotionConfig,
+    with_placement: NodePlacement => motion.placement of MotionConfig,
+    with_nodes_per_vertex: u8 => motion.nodes_per_vertex of MotionConfig,
+    with_weights: Weights => motion.weights of MotionConfig,
+    with_influence: InfluenceMode => motion.influence of MotionConfig,
+    with_affine: AffineChoice => motion.affine of MotionConfig,
+    with_combination: impl Into<CombinationChoice> => motion.combination of MotionConfig,
+    with_part_start: PartStart => motion.part_start of MotionConfig,
+    with_translation: TranslationChoice => motion.translation of MotionConfig,
+    with_translation_step: StepChoice => motion.translation_step of MotionConfig,
+    with_rotation_step: impl Into<Option<f64>> => motion.rotation_step of MotionConfig,
+    with_scale_step: impl Into<Option<f64>> => motion.scale_step of MotionConfig,
+    with_shear_step: impl Into<Option<f64>> => motion.shear_step of MotionConfig,
+    with_lambda: f64 => rate.lambda of RateConfig,
+    with_distortion: DistortionMeasure => rate.distortion of RateConfig,
+}
+
+impl EncoderConfig {
+    /// Sets the grid to so many bits for the longest side of the first frame's box.
+    #[must_use]
+    pub fn with_bits(self, bits: u8) -> Self {
+        self.with_grid(GridChoice::Bits { bits, bounds: None })
+    }
+}
+
+impl MotionConfig {
+    /// Whether any choice of the encoder compares costs of P-frames.
+    pub(crate) fn is_by_cost(&self) -> bool {
+        self.translation_step == StepChoice::Cost
+            || !matches!(self.combination, CombinationChoice::Fixed(_))
+    }
+}

@@ -1,6 +1,5 @@
 //! The streaming encoder: frames are pushed in, a file comes out.
 
-use crate::decode::FrameKind;
 use crate::encode::config::EncoderConfig;
 use crate::encode::group::GroupEncoder;
 use crate::encode::labels::Labeller;
@@ -39,11 +38,10 @@ impl<W: Write> Encoder<W> {
     /// An encoder that writes to `writer`; nothing is written before the first group is full.
     ///
     /// # Errors
-    /// Settings that contradict themselves.
+    /// A setting that is out of its range, or settings that contradict each other; see
+    /// [`EncoderConfig::validate`].
     pub fn new(writer: W, config: EncoderConfig) -> Result<Self, EncodeError> {
-        if config.group_length == 0 {
-            return Err(EncodeError::Config("a group of frames has at least one frame".into()));
-        }
+        config.validate()?;
         Ok(Self {
             writer,
             labeller: Labeller::new(&config),
@@ -80,7 +78,7 @@ impl<W: Write> Encoder<W> {
         self.parts.push(labeller.map(|labeller| labeller.label(&mut mesh)));
         self.pending.push(mesh);
         self.frame += 1;
-        if self.pending.len() == usize::from(self.config.group_length) {
+        if self.pending.len() == usize::from(self.config.sequence.group_length) {
             self.encode_group()?;
         }
         Ok(())
@@ -101,7 +99,7 @@ impl<W: Write> Encoder<W> {
             self.encode_group()?;
         }
         if self.groups.is_none() {
-            return Err(EncodeError::Config("a sequence has at least one frame".into()));
+            return Err(EncodeError::NoFrames);
         }
         let mut bits = BitWriter::new();
         self.index.write(&mut bits);
@@ -140,14 +138,16 @@ impl<W: Write> Encoder<W> {
         self.index.groups.push(IndexGroup { bytes, frames: coded as u8 });
         self.pending.drain(..coded);
         for (report, parts) in self.reports[reported..].iter_mut().zip(self.parts.drain(..coded)) {
-            report.parts = parts;
+            report.frame_mut().parts = parts;
             self.summary.frames += 1;
-            match report.kind {
-                FrameKind::Intra => {
+            match report {
+                FrameReport::Intra(report) => {
                     self.summary.intra_frames += 1;
-                    self.summary.intra_bytes += report.bytes;
+                    self.summary.intra_bytes += report.frame.bytes;
                 }
-                FrameKind::Predicted => self.summary.predicted_bytes += report.bytes,
+                FrameReport::Predicted(report) => {
+                    self.summary.predicted_bytes += report.frame.bytes;
+                }
             }
         }
         self.write_units()

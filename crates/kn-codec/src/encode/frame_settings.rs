@@ -40,18 +40,18 @@ pub(crate) fn frame_settings(config: &EncoderConfig, place: FramePlace) -> Frame
     // On average in half of the frames that are left, this one among them.
     let inherited = 2.0 / (left + 1) as f64;
     FrameSettings {
-        lambda: config.lambda,
-        component_lambda: config.lambda * inherited,
+        lambda: config.rate.lambda,
+        component_lambda: config.rate.lambda * inherited,
         quantisers: Quantisers {
-            motion: config.motion_step,
-            rotation: config.rotation_step,
-            scale: config.scale_step,
-            shear: config.shear_step,
+            motion: config.motion.translation_step,
+            rotation: config.motion.rotation_step,
+            scale: config.motion.scale_step,
+            shear: config.motion.shear_step,
         },
     }
 }
 
 /// λ by which the key nodes of a GoF are chosen: they count for all its P-frames.
 pub(crate) fn node_lambda(config: &EncoderConfig) -> f64 {
-    config.lambda
+    config.rate.lambda
 }

@@ -1,7 +1,7 @@
 //! One group of frames in a closed loop: what is coded is decoded again by the decoder's own
 //! reconstruction, and that is what later frames refer to.
 
-use crate::decode::{FrameKind, Reconstruction, Slot};
+use crate::decode::{Reconstruction, Slot};
 use crate::digest::{faces_digest, positions_digest};
 use crate::encode::choices::{CombinationChoice, DistortionMeasure, SmoothingChoice};
 use crate::encode::config::{EncoderConfig, GridChoice};
@@ -9,9 +9,11 @@ use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
 use crate::encode::failure::FitFailure;
 use crate::encode::frame_settings::{FramePlace, FrameSettings, frame_settings};
-use crate::encode::motion::{CodedMotion, MotionEncoder, is_by_cost};
+use crate::encode::motion::{CodedMotion, MotionEncoder};
 use crate::encode::nodes::NodeChooser;
-use crate::encode::report::{CostReport, FrameReport, StepReport};
+use crate::encode::report::{
+    CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport,
+};
 use crate::encode::scan::{Scan, ScanOptions, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
 use crate::encode::tuning::Tuning;
@@ -37,7 +39,7 @@ pub(crate) struct GroupEncoder {
     payload: Vec<u8>,
     motion: MotionEncoder,
     /// Why the last group ended early.
-    reason: Option<String>,
+    reason: Option<FitFailure>,
 }
 
 impl GroupEncoder {
@@ -83,18 +85,18 @@ impl GroupEncoder {
         // Key nodes without a P-frame would be of no use.
         if let Some(first) = pass.reports.first_mut() {
             first.node_bytes = node_bytes;
-            first.bytes += node_bytes;
+            first.frame.bytes += node_bytes;
             out.append(&mut units);
             out.append(&mut pass.units);
         }
         let coded = 1 + pass.reports.len();
-        reports.append(&mut pass.reports);
+        reports.extend(pass.reports.into_iter().map(FrameReport::Predicted));
         Ok(coded)
     }
 
     /// The group's P-frames, in the way that costs least.
     fn encode_predicted(&mut self, scans: &Scans) -> Result<Pass, EncodeError> {
-        let looks_ahead = self.config.combination == CombinationChoice::LookAhead;
+        let looks_ahead = self.config.motion.combination == CombinationChoice::LookAhead;
         if !looks_ahead || self.reconstruction.nodes().affine_count() == 0 {
             return self.encode_pass(scans, None);
         }
@@ -137,7 +139,7 @@ impl GroupEncoder {
             match report? {
                 Ok(report) => pass.reports.push(report),
                 Err(failure) => {
-                    pass.reason = Some(failure.to_string());
+                    pass.reason = Some(failure);
                     break;
                 }
             }
@@ -156,7 +158,7 @@ impl GroupEncoder {
     ) -> Result<FrameReport, EncodeError> {
         let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
         let tuning = &self.tuning.decimation;
-        let decimated = self.config.decimation.and_then(|how| decimate(mesh, how, tuning));
+        let decimated = self.config.intra.decimation.and_then(|how| decimate(mesh, how, tuning));
         let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
         let coded = self.on_grid(coarse).map_err(input)?;
         self.payload.clear();
@@ -166,7 +168,7 @@ impl GroupEncoder {
         let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
-        let digests = self.config.digests;
+        let digests = self.config.sequence.digests;
         let positions_digest =
             digests.then(|| positions_digest(self.reconstruction.last_positions()));
         let frame = IntraFrame {
@@ -177,38 +179,33 @@ impl GroupEncoder {
         };
         let mut bits = BitWriter::new();
         frame.write(&mut bits);
-        Ok(FrameReport {
+        let vertex_map = self.config.intra.vertex_maps.then(|| match &decimated {
+            Some(decimated) => compose(&decimated.vertex_map, &encoding.vertex_map),
+            None => encoding.vertex_map,
+        });
+        let frame = CodedFrame {
             index: numbers.display,
             decode_index: numbers.decode,
-            kind: FrameKind::Intra,
             bytes: append_unit(out, unit::INTRA_FRAME, bits),
-            node_bytes: 0,
             vertices: decoded.positions.len() as u32,
             faces: decoded.faces.len() as u32,
-            nodes: 0,
-            affine_nodes: 0,
-            combination: None,
-            translation: None,
-            steps: None,
-            cost: None,
             input_faces: mesh.faces.len() as u32,
-            decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
-            vertex_map: self.config.vertex_maps.then(|| match decimated {
-                Some(decimated) => compose(&decimated.vertex_map, &encoding.vertex_map),
-                None => encoding.vertex_map,
-            }),
-            fit_rms: 0.0,
             parts: None,
+        };
+        Ok(FrameReport::Intra(IntraReport {
+            frame,
+            decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
+            vertex_map,
             reason: self.reason.take(),
-        })
+        }))
     }
 
     /// The strength of smoothing of the I-frame that the reconstruction has decoded; `mesh` is the
     /// scan.
     fn smoothing(&mut self, mesh: &Mesh) -> u8 {
-        match self.config.smoothing {
+        match self.config.intra.smoothing {
             // Positions are the input's to the last bit.
-            _ if matches!(self.config.grid, GridChoice::Lossless(_)) => 0,
+            _ if matches!(self.config.sequence.grid, GridChoice::Lossless(_)) => 0,
             SmoothingChoice::Strength(strength) => strength,
             SmoothingChoice::Auto => {
                 let unit = f64::from(1_u32 << self.header.fraction_bits);
@@ -230,7 +227,7 @@ impl GroupEncoder {
     /// The mesh on the sequence's grid; in lossless mode, a mesh that is there already.
     fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, String> {
         let positions = self.grid.quantise(&mesh.positions).map_err(|error| error.to_string())?;
-        if let GridChoice::Lossless(grid) = self.config.grid {
+        if let GridChoice::Lossless(grid) = self.config.sequence.grid {
             let pairs = mesh.positions.iter().zip(&positions);
             let moved = |(own, coded): (&[f32; 3], &[i32; 3])| grid.dequantise(*coded) != *own;
             if let Some(vertex) = pairs.map(moved).position(|moved| moved) {
@@ -296,7 +293,7 @@ impl GroupEncoder {
         &mut self,
         task: FrameTask<'_>,
         out: &mut Vec<u8>,
-    ) -> Result<Result<FrameReport, FitFailure>, EncodeError> {
+    ) -> Result<Result<PredictedReport, FitFailure>, EncodeError> {
         let FrameTask { numbers, from, settings, scan, input_faces } = task;
         let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
         let decoded = &mut self.reconstruction;
@@ -308,30 +305,30 @@ impl GroupEncoder {
         let context = self.reconstruction.motion_context();
         self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.to_string()))?;
         let positions = self.reconstruction.last_positions();
-        motion.header.positions_digest = self.config.digests.then(|| positions_digest(positions));
+        motion.header.positions_digest =
+            self.config.sequence.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
         motion.write(&mut bits, &context);
         let intra = self.reconstruction.intra();
-        Ok(Ok(FrameReport {
+        let frame = CodedFrame {
             index: numbers.display,
             decode_index: numbers.decode,
-            kind: FrameKind::Predicted,
             bytes: append_unit(out, unit::MOTION_FRAME, bits),
-            node_bytes: 0,
             vertices: intra.positions.len() as u32,
             faces: intra.faces.len() as u32,
+            input_faces,
+            parts: None,
+        };
+        Ok(Ok(PredictedReport {
+            frame,
+            node_bytes: 0,
             nodes: self.reconstruction.nodes().positions.len() as u32,
             affine_nodes: self.reconstruction.nodes().affine_count(),
-            combination: Some(combination),
-            translation: Some(motion.translation_mode),
-            steps: Some(StepReport::new(&motion, self.header.fraction_bits)),
+            combination,
+            translation: motion.translation_mode,
+            steps: StepReport::new(&motion, self.header.fraction_bits),
             cost,
-            input_faces,
-            decimation_error: 0.0,
-            vertex_map: None,
             fit_rms: fit_rms * self.grid.step,
-            parts: None,
-            reason: None,
         }))
     }
 }
@@ -350,9 +347,9 @@ struct FrameTask<'a> {
 #[derive(Default)]
 struct Pass {
     units: Vec<u8>,
-    reports: Vec<FrameReport>,
+    reports: Vec<PredictedReport>,
     /// Why it ends early.
-    reason: Option<String>,
+    reason: Option<FitFailure>,
 }
 
 impl Pass {
@@ -365,7 +362,7 @@ impl Pass {
 
 /// What D is measured by, where it is.
 fn measure_of(config: &EncoderConfig) -> Option<DistortionMeasure> {
-    is_by_cost(config).then_some(config.distortion)
+    config.motion.is_by_cost().then_some(config.rate.distortion)
 }
 
 /// Frames a structure; returns the bytes of the unit.

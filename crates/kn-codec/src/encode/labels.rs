@@ -13,8 +13,8 @@ pub(crate) struct Labeller {
 impl Labeller {
     /// `None` where nobody asks for labels, or nothing would use them: I-frames alone need none.
     pub(crate) fn new(config: &EncoderConfig) -> Option<Self> {
-        let wanted = config.labels == LabelChoice::Auto && config.group_length > 1;
-        let options = SegmentOptions { up_axis: config.up_axis };
+        let wanted = config.intra.labels == LabelChoice::Auto && config.sequence.group_length > 1;
+        let options = SegmentOptions { up_axis: config.sequence.up_axis };
         wanted.then(|| Self { segmenter: Segmenter::new(options) })
     }
 

@@ -16,16 +16,23 @@ mod quantise;
 mod report;
 mod scan;
 mod sequence;
+mod settings;
 mod smoothing;
 mod translation;
 mod tuning;
+mod validate;
 
 pub use choices::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, FormError, LabelChoice,
     NodeChoice, NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
 };
-pub use config::{EncoderConfig, GridChoice};
+pub use config::{
+    EncoderConfig, GridChoice, IntraConfig, MotionConfig, RateConfig, SequenceConfig,
+};
 pub use encoder::{Encoder, Finished};
 pub use failure::{EarlierFrames, FailureTuning, FitFailure};
 pub use preset::Preset;
-pub use report::{CostReport, FrameReport, StepReport, Summary};
+pub use report::{
+    CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport, Summary,
+};
+pub use settings::{Setting, SettingsError};

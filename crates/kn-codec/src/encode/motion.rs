@@ -1,7 +1,7 @@
 //! Motion of P-frames: fit, choose by J = D + λR, quantise.
 
 use crate::decode::{Reconstruction, Slot};
-use crate::encode::choices::{CombinationChoice, StepChoice, TranslationChoice};
+use crate::encode::choices::{CombinationChoice, TranslationChoice};
 use crate::encode::config::EncoderConfig;
 use crate::encode::cost::cheapest;
 use crate::encode::failure::{EarlierFrames, FitFailure};
@@ -100,12 +100,12 @@ impl MotionEncoder {
         };
         let trial = frame.cheapest_steps(&frame.in_reference_units(fit), trial);
         self.steps = Some(trial.steps);
-        if self.config.combination == CombinationChoice::FirstP {
+        if self.config.motion.combination == CombinationChoice::FirstP {
             self.combination = Some(trial.combination);
         }
         Ok(Ok(CodedMotion {
             combination: trial.combination,
-            cost: is_by_cost(&self.config).then_some(trial.cost),
+            cost: self.config.motion.is_by_cost().then_some(trial.cost),
             fit_rms: fit.report.source_to_target.rms,
             motion: trial.motion,
         }))
@@ -134,9 +134,9 @@ impl MotionEncoder {
         let (quantisers, tuning) = (settings.quantisers, self.tuning.steps);
         let usual = Steps::new(&quantisers, &tuning, self.unit, reach(decoded, from));
         Frame {
-            digests: self.config.digests,
-            translation: self.config.translation,
-            is_by_cost: is_by_cost(&self.config),
+            digests: self.config.sequence.digests,
+            translation: self.config.motion.translation,
+            is_by_cost: self.config.motion.is_by_cost(),
             range: StepRange { quantisers, usual, farthest: tuning.farthest },
             tuning,
             lambda: settings.lambda,
@@ -149,7 +149,7 @@ impl MotionEncoder {
 
     /// The combinations that this frame may have.
     fn candidates(&self, decoded: &Reconstruction) -> Vec<Combination> {
-        match (self.config.combination, self.combination) {
+        match (self.config.motion.combination, self.combination) {
             (CombinationChoice::Fixed(combination), _) | (_, Some(combination)) => {
                 vec![combination]
             }
@@ -185,7 +185,7 @@ impl MotionEncoder {
             none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
         };
         let options = FitOptions {
-            part_start: self.config.part_start,
+            part_start: self.config.motion.part_start,
             measures: Some(self.tuning.failure.measures),
             ..FitOptions::default()
         };
@@ -198,12 +198,6 @@ impl MotionEncoder {
         };
         fits.map_err(|error| error.to_string())
     }
-}
-
-/// Whether any choice of the encoder compares costs of P-frames.
-pub(crate) fn is_by_cost(config: &EncoderConfig) -> bool {
-    config.motion_step == StepChoice::Cost
-        || !matches!(config.combination, CombinationChoice::Fixed(_))
 }
 
 /// A frame and what candidates for its motion are judged by.

@@ -56,7 +56,7 @@ impl<'a> NodeChooser<'a> {
         scans: &mut Scans,
         fail: impl Fn(FitError) -> EncodeError,
     ) -> Result<KeyNodes, EncodeError> {
-        let vertices = match self.config.placement {
+        let vertices = match self.config.motion.placement {
             NodePlacement::Farthest => None,
             NodePlacement::Generated => self.generate(scans, RankBy::Distance, &fail)?,
             NodePlacement::GeneratedByMsdm2 => self.generate(scans, RankBy::Msdm2, &fail)?,
@@ -66,9 +66,9 @@ impl<'a> NodeChooser<'a> {
             None => self.farthest().map_err(&fail)?,
         };
         vertices.sort_unstable();
-        let affine = match self.config.affine {
+        let affine = match self.config.motion.affine {
             AffineChoice::Cost => AffineNodes::Nodes(self.affine_by_cost(&vertices, scans, &fail)?),
-            _ => affine_nodes(&self.config.affine, self.labels),
+            _ => affine_nodes(&self.config.motion.affine, self.labels),
         };
         Ok(self.cheapest(&vertices, affine))
     }
@@ -80,7 +80,7 @@ impl<'a> NodeChooser<'a> {
     fn farthest(&self) -> Result<Vec<u32>, FitError> {
         let affine = self.affine_vertices();
         let faces = &self.intra.faces;
-        let count = match self.config.nodes {
+        let count = match self.config.motion.nodes {
             NodeChoice::Fixed(count) => count,
             NodeChoice::Cost { most } => most.min(self.tuning.nodes.evenly),
         };
@@ -154,7 +154,7 @@ impl<'a> NodeChooser<'a> {
 
     /// How the generator fits.
     fn fit_options(&self) -> FitOptions {
-        match self.config.combination {
+        match self.config.motion.combination {
             CombinationChoice::Fixed(combination) => {
                 FitOptions { combination, ..FitOptions::default() }
             }
@@ -163,7 +163,7 @@ impl<'a> NodeChooser<'a> {
     }
 
     fn count(&self, predicted: usize) -> NodeCount {
-        match self.config.nodes {
+        match self.config.motion.nodes {
             NodeChoice::Fixed(count) => NodeCount::Exactly(count),
             NodeChoice::Cost { most } => {
                 let tuning = &self.tuning.nodes;
@@ -185,9 +185,9 @@ impl<'a> NodeChooser<'a> {
     /// As the decoder will bind them.
     fn bind(&self, vertices: &[u32]) -> Result<Influence, FitError> {
         let options = BindOptions {
-            nodes_per_vertex: self.config.nodes_per_vertex.into(),
-            weights: self.config.weights,
-            mode: self.config.influence,
+            nodes_per_vertex: self.config.motion.nodes_per_vertex.into(),
+            weights: self.config.motion.weights,
+            mode: self.config.motion.influence,
         };
         let all = &self.intra.positions;
         let sites: Vec<[i32; 3]> = vertices.iter().map(|&v| all[v as usize]).collect();
@@ -201,7 +201,7 @@ impl<'a> NodeChooser<'a> {
 
     /// `#V`, whether a node there would be affine.
     fn affine_vertices(&self) -> Vec<bool> {
-        match affine_nodes(&self.config.affine, self.labels) {
+        match affine_nodes(&self.config.motion.affine, self.labels) {
             AffineNodes::Labels(flags) => {
                 self.intra.labels.iter().map(|&label| flags[usize::from(label)]).collect()
             }
@@ -218,7 +218,7 @@ impl<'a> NodeChooser<'a> {
         let coded = |sites: NodeSites| KeyNodes {
             sites,
             affine: affine.clone(),
-            weight_sigma: self.config.weights.sigma(),
+            weight_sigma: self.config.motion.weights.sigma(),
         };
         let by_vertex = coded(NodeSites::Vertices(vertices.to_vec()));
         let by_point = coded(NodeSites::Points(points));

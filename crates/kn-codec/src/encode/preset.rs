@@ -22,7 +22,7 @@ const PRESETS: &[Preset] = &[
     Preset {
         name: "default",
         about: "bimodal with as many key nodes as pay for their bytes",
-        change: |config| config.nodes = NodeChoice::default(),
+        change: |config| config.motion.nodes = NodeChoice::default(),
     },
     Preset {
         name: "bimodal",
@@ -35,91 +35,91 @@ const PRESETS: &[Preset] = &[
         about: "the earlier key-node codec: rigid everywhere, twice the nodes, no \
                 prediction of translations, its weights (Sumner's stand in for them)",
         change: |config| {
-            config.labels = LabelChoice::Given;
-            config.part_start = PartStart::Off;
-            config.affine = AffineChoice::None;
-            config.combination = Combination::RT.into();
-            config.motion_step = StepChoice::Fixed(2.0);
-            config.nodes = NodeChoice::Fixed(2 * NODES);
-            config.weights = Weights::SUMNER;
-            config.translation = TranslationChoice::Direct;
+            config.intra.labels = LabelChoice::Given;
+            config.motion.part_start = PartStart::Off;
+            config.motion.affine = AffineChoice::None;
+            config.motion.combination = Combination::RT.into();
+            config.motion.translation_step = StepChoice::Fixed(2.0);
+            config.motion.nodes = NodeChoice::Fixed(2 * NODES);
+            config.motion.weights = Weights::SUMNER;
+            config.motion.translation = TranslationChoice::Direct;
         },
     },
     Preset {
         name: "manual",
         about: "bimodal for labels that can be trusted: a region without a node is an error",
-        change: |config| config.influence = InfluenceMode::Strict,
+        change: |config| config.motion.influence = InfluenceMode::Strict,
     },
     Preset {
         name: "rigid",
         about: "bimodal without affine nodes",
-        change: |config| config.affine = AffineChoice::None,
+        change: |config| config.motion.affine = AffineChoice::None,
     },
     Preset {
         name: "affine",
         about: "bimodal with affine nodes everywhere",
-        change: |config| config.affine = AffineChoice::All,
+        change: |config| config.motion.affine = AffineChoice::All,
     },
     Preset {
         name: "affine-by-cost",
         about: "bimodal with affine nodes where their scales and shears pay, labels or not",
-        change: |config| config.affine = AffineChoice::Cost,
+        change: |config| config.motion.affine = AffineChoice::Cost,
     },
     Preset {
         name: "combination-rtsh",
         about: "bimodal with all components in every P-frame",
-        change: |config| config.combination = Combination::RTSH.into(),
+        change: |config| config.motion.combination = Combination::RTSH.into(),
     },
     Preset {
         name: "per-frame",
         about: "bimodal with the components chosen in every P-frame",
-        change: |config| config.combination = CombinationChoice::PerFrame,
+        change: |config| config.motion.combination = CombinationChoice::PerFrame,
     },
     Preset {
         name: "look-ahead",
         about: "bimodal with the components chosen by what the whole group costs; slow",
-        change: |config| config.combination = CombinationChoice::LookAhead,
+        change: |config| config.motion.combination = CombinationChoice::LookAhead,
     },
     Preset {
         name: "steps-fixed",
         about: "bimodal with the same quantiser steps in all P-frames",
-        change: |config| config.motion_step = StepChoice::Fixed(2.0),
+        change: |config| config.motion.translation_step = StepChoice::Fixed(2.0),
     },
     Preset {
         name: "choice-by-msdm2",
         about: "bimodal with D measured by MSDM2 instead of its surrogate; slow",
-        change: |config| config.distortion = DistortionMeasure::Msdm2,
+        change: |config| config.rate.distortion = DistortionMeasure::Msdm2,
     },
     Preset {
         name: "part-start-off",
         about: "bimodal without segment-guided correspondence",
-        change: |config| config.part_start = PartStart::Off,
+        change: |config| config.motion.part_start = PartStart::Off,
     },
     Preset {
         name: "part-start-auto",
         about: "bimodal with body parts aligned first only where that leaves much smaller distances",
-        change: |config| config.part_start = PartStart::Auto,
+        change: |config| config.motion.part_start = PartStart::Auto,
     },
     Preset {
         name: "translation-direct",
         about: "bimodal without prediction of translations",
-        change: |config| config.translation = TranslationChoice::Direct,
+        change: |config| config.motion.translation = TranslationChoice::Direct,
     },
     Preset {
         name: "translation-paper",
         about: "bimodal with the paper's prediction: spatial in the first P-frame of a group, \
                 spatio-temporal in the others",
-        change: |config| config.translation = TranslationChoice::Paper,
+        change: |config| config.motion.translation = TranslationChoice::Paper,
     },
     Preset {
         name: "weights-inverse-square",
         about: "bimodal with the paper's weights 1/d²",
-        change: |config| config.weights = Weights::INVERSE_SQUARE,
+        change: |config| config.motion.weights = Weights::INVERSE_SQUARE,
     },
     Preset {
         name: "weights-gaussian",
         about: "bimodal with weights exp(-d²/2σ²), which stand in for the isometric scheme",
-        change: |config| config.weights = Weights::gaussian(GAUSSIAN_SIGMA),
+        change: |config| config.motion.weights = Weights::gaussian(GAUSSIAN_SIGMA),
     },
 ];
 
@@ -151,8 +151,7 @@ impl Preset {
 
     /// Its settings.
     pub fn config(&self) -> EncoderConfig {
-        let mut config =
-            EncoderConfig { nodes: NodeChoice::Fixed(NODES), ..EncoderConfig::default() };
+        let mut config = EncoderConfig::default().with_nodes(NodeChoice::Fixed(NODES));
         (self.change)(&mut config);
         config
     }
@@ -178,6 +177,9 @@ mod tests {
     #[test]
     fn the_baseline_is_rigid_with_twice_the_nodes() {
         let baseline = Preset::by_name("baseline").expect("in the list").config();
-        assert_eq!((baseline.nodes, baseline.affine), (300.into(), AffineChoice::None));
+        assert_eq!(
+            (baseline.motion.nodes, baseline.motion.affine),
+            (300.into(), AffineChoice::None)
+        );
     }
 }

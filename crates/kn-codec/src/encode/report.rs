@@ -1,6 +1,7 @@
 //! What an encoder tells about its frames.
 
 use crate::decode::FrameKind;
+use crate::encode::failure::FitFailure;
 use crate::encode::quantise::unit_step;
 use kn_bitstream::params::{Combination, TranslationMode};
 use kn_bitstream::{MotionFrame, translation_step};
@@ -8,48 +9,114 @@ use kn_segment::Segmentation;
 
 /// What became of one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FrameReport {
+#[non_exhaustive]
+pub enum FrameReport {
+    /// The frame became an I-frame.
+    Intra(IntraReport),
+    /// The frame became a P-frame.
+    Predicted(PredictedReport),
+}
+
+/// What every coded frame has.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CodedFrame {
     /// Place in the sequence, from 0: display order.
     pub index: u64,
     /// Place in the stream, from 0: decode order. Equal to `index` today.
     pub decode_index: u64,
-    /// I or P.
-    pub kind: FrameKind,
     /// Bytes of the frame's units; a group's key nodes count with its first P-frame.
     pub bytes: u64,
-    /// Of these, bytes of the key nodes.
-    pub node_bytes: u64,
-    /// Vertices and faces of the decoded frame.
+    /// Vertices of the decoded frame.
     pub vertices: u32,
     /// Faces of the decoded frame.
     pub faces: u32,
-    /// Key nodes, 0 for an I-frame.
-    pub nodes: u32,
-    /// Of these, affine ones.
-    pub affine_nodes: u32,
-    /// Combination of affine nodes; `None` for an I-frame.
-    pub combination: Option<Combination>,
-    /// What translations are predicted from; `None` for an I-frame.
-    pub translation: Option<TranslationMode>,
-    /// Quantiser steps; `None` for an I-frame.
-    pub steps: Option<StepReport>,
-    /// What the frame costs, where anything was chosen by cost.
-    pub cost: Option<CostReport>,
     /// Faces of the input frame.
     pub input_faces: u32,
+    /// What the segmentation found, where it was asked for labels; the labels are not kept.
+    pub parts: Option<Segmentation>,
+}
+
+/// What became of a frame that is an I-frame.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct IntraReport {
+    /// What every coded frame has.
+    pub frame: CodedFrame,
     /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
     /// world units; 0 where nothing was decimated.
     pub decimation_error: f64,
-    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::DROPPED`], of an I-frame where
-    /// [`crate::EncoderConfig::vertex_maps`] asks for it.
+    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::DROPPED`], where
+    /// [`crate::IntraConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
-    /// RMS distance from the fitted mesh to the scan before quantisation, world units; 0 for an
-    /// I-frame.
+    /// Why it begins its group early: what the motion could not explain. `None` where the group
+    /// before was full, and at the first frame.
+    pub reason: Option<FitFailure>,
+}
+
+/// What became of a frame that is a P-frame.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PredictedReport {
+    /// What every coded frame has.
+    pub frame: CodedFrame,
+    /// Of its bytes, those of the key nodes; 0 but in the first P-frame of a group.
+    pub node_bytes: u64,
+    /// Key nodes of the group.
+    pub nodes: u32,
+    /// Of these, affine ones.
+    pub affine_nodes: u32,
+    /// Components of affine nodes.
+    pub combination: Combination,
+    /// What translations are predicted from.
+    pub translation: TranslationMode,
+    /// Quantiser steps.
+    pub steps: StepReport,
+    /// What the frame costs, where anything was chosen by cost.
+    pub cost: Option<CostReport>,
+    /// RMS distance from the fitted mesh to the scan before quantisation, world units.
     pub fit_rms: f64,
-    /// What the segmentation found, where it was asked for labels; the labels are not kept.
-    pub parts: Option<Segmentation>,
-    /// Why this I-frame begins its group early: what the motion could not explain.
-    pub reason: Option<String>,
+}
+
+impl FrameReport {
+    /// What every coded frame has.
+    pub fn frame(&self) -> &CodedFrame {
+        match self {
+            Self::Intra(report) => &report.frame,
+            Self::Predicted(report) => &report.frame,
+        }
+    }
+
+    pub(crate) fn frame_mut(&mut self) -> &mut CodedFrame {
+        match self {
+            Self::Intra(report) => &mut report.frame,
+            Self::Predicted(report) => &mut report.frame,
+        }
+    }
+
+    /// I or P.
+    pub fn kind(&self) -> FrameKind {
+        match self {
+            Self::Intra(_) => FrameKind::Intra,
+            Self::Predicted(_) => FrameKind::Predicted,
+        }
+    }
+
+    /// The report of an I-frame.
+    pub fn intra(&self) -> Option<&IntraReport> {
+        match self {
+            Self::Intra(report) => Some(report),
+            Self::Predicted(_) => None,
+        }
+    }
+
+    /// The report of a P-frame.
+    pub fn predicted(&self) -> Option<&PredictedReport> {
+        match self {
+            Self::Predicted(report) => Some(report),
+            Self::Intra(_) => None,
+        }
+    }
 }
 
 /// Quantiser steps of a P-frame; 0 where no node carries the component.

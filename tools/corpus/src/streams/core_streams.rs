@@ -17,35 +17,34 @@ use super::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
 
 /// Every setting, so that no default moves the corpus.
 fn config() -> EncoderConfig {
-    EncoderConfig {
-        grid: GridChoice::Bits { bits: 9, bounds: None },
-        decimation: None,
-        vertex_maps: false,
-        labels: LabelChoice::Given,
-        group_length: 8,
-        nodes: 12.into(),
-        placement: NodePlacement::Generated,
-        frame_rate: FrameRate::default(),
-        unit: UnitOfLength::Unspecified,
-        up_axis: UpAxis::Y,
-        fraction_bits: 8,
-        smoothing: SmoothingChoice::Strength(0),
-        nodes_per_vertex: 4,
-        weights: Weights::INVERSE_SQUARE,
-        influence: InfluenceMode::Fallback,
-        affine: AffineChoice::torso(),
-        combination: Combination::RTSH.into(),
-        distortion: DistortionMeasure::Surrogate,
-        lambda: 3e-5,
-        part_start: PartStart::Off,
-        translation: TranslationChoice::Direct,
-        motion_step: StepChoice::Fixed(1.0),
-        rotation_step: None,
-        scale_step: Some(1.0),
-        shear_step: Some(1.0),
-        digests: true,
-        names: None,
-    }
+    EncoderConfig::default()
+        .with_grid(GridChoice::Bits { bits: 9, bounds: None })
+        .with_decimation(None)
+        .with_vertex_maps(false)
+        .with_labels(LabelChoice::Given)
+        .with_group_length(8)
+        .with_nodes(12)
+        .with_placement(NodePlacement::Generated)
+        .with_frame_rate(FrameRate::default())
+        .with_unit(UnitOfLength::Unspecified)
+        .with_up_axis(UpAxis::Y)
+        .with_fraction_bits(8)
+        .with_smoothing(SmoothingChoice::Strength(0))
+        .with_nodes_per_vertex(4)
+        .with_weights(Weights::INVERSE_SQUARE)
+        .with_influence(InfluenceMode::Fallback)
+        .with_affine(AffineChoice::torso())
+        .with_combination(Combination::RTSH)
+        .with_distortion(DistortionMeasure::Surrogate)
+        .with_lambda(3e-5)
+        .with_part_start(PartStart::Off)
+        .with_translation(TranslationChoice::Direct)
+        .with_translation_step(StepChoice::Fixed(1.0))
+        .with_rotation_step(None)
+        .with_scale_step(Some(1.0))
+        .with_shear_step(Some(1.0))
+        .with_digests(true)
+        .with_names(None)
 }
 
 pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
@@ -79,11 +78,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         config(),
     )?;
     for (name, danger, combination) in COMBINATIONS {
-        let config = EncoderConfig {
-            combination: combination.into(),
-            affine: AffineChoice::torso(),
-            ..config()
-        };
+        let config = config().with_combination(combination).with_affine(AffineChoice::torso());
         let covers = &[
             "nodes.affine",
             "nodes.label.nearest",
@@ -114,18 +109,16 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
             "header.labels.meaning",
         ],
         &short(&plain),
-        EncoderConfig { affine: AffineChoice::None, ..config() },
+        config().with_affine(AffineChoice::None),
     )?;
     add(
         "all_affine",
         "With affine nodes only, a disabled rotation leaves no angles at all.",
         &["motion.counts"],
         &short(&plain),
-        EncoderConfig {
-            affine: AffineChoice::All,
-            combination: Combination::new(false, true, false).into(),
-            ..config()
-        },
+        config()
+            .with_affine(AffineChoice::All)
+            .with_combination(Combination::new(false, true, false)),
     )?;
     let long: Vec<Mesh> = (0..7).map(|i| moved(&plain, 0.5 * f64::from(i))).collect();
     add(
@@ -133,35 +126,35 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         "Nothing of a group of frames is left in the next; the last group is short.",
         &["conformance.access", "conformance.stages", "deform.influence.bound"],
         &long,
-        EncoderConfig { group_length: 3, ..config() },
+        config().with_group_length(3),
     )?;
     add(
         "weights_sumner",
         "The distance to the first node that is not used shapes these weights.",
         &["header.weight.meaning", "deform.weights.sumner"],
         &short(&body),
-        EncoderConfig { weights: Weights::SUMNER, ..config() },
+        config().with_weights(Weights::SUMNER),
     )?;
     add(
         "weights_gaussian",
         "The exponential is the polynomial of 8.1, and sigma is in grid steps.",
         &["nodes.sigma.meaning", "deform.weights.gaussian", "deform.exp"],
         &short(&body),
-        EncoderConfig { weights: Weights::gaussian(40), ..config() },
+        config().with_weights(Weights::gaussian(40)),
     )?;
     add(
         "strict",
         "In strict mode a region's own nodes move it, fewer than Q of them replicated.",
         &["deform.influence.replication", "header.influence.meaning"],
         &short(&body),
-        EncoderConfig { influence: InfluenceMode::Strict, nodes_per_vertex: 8, ..config() },
+        config().with_influence(InfluenceMode::Strict).with_nodes_per_vertex(8),
     )?;
     add(
         "one_node_per_vertex",
         "With Q = 1 the weight is exactly 1.",
         &["header.nodes.meaning", "deform.weights.normalise"],
         &short(&plain),
-        EncoderConfig { nodes_per_vertex: 1, ..config() },
+        config().with_nodes_per_vertex(1),
     )?;
     add(
         "smoothed_weakly",
@@ -175,14 +168,14 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
             "smooth.pass",
         ],
         &short(&plain),
-        EncoderConfig { smoothing: SmoothingChoice::Strength(1), ..config() },
+        config().with_smoothing(SmoothingChoice::Strength(1)),
     )?;
     add(
         "smoothed_strongly",
         "No coordinate moves by more than half a grid step; borders stay.",
         &["smooth.strength", "smooth.neighbours", "smooth.clamp"],
         &short(&body),
-        EncoderConfig { smoothing: SmoothingChoice::Strength(5), ..config() },
+        config().with_smoothing(SmoothingChoice::Strength(5)),
     )?;
     add(
         "no_fraction",
@@ -195,24 +188,21 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
             "conventions.conversion",
         ],
         &short(&plain),
-        EncoderConfig { fraction_bits: 0, smoothing: SmoothingChoice::Strength(2), ..config() },
+        config().with_fraction_bits(0).with_smoothing(SmoothingChoice::Strength(2)),
     )?;
     add(
         "names",
         "Frames are named by the pattern; the header is longer by it.",
         &["header.names.meaning", "conventions.tables"],
         &short(&plain),
-        EncoderConfig {
-            names: Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 }),
-            ..config()
-        },
+        config().with_names(Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 })),
     )?;
     add(
         "no_digests",
         "Without digests the faces_digest is absent too.",
         &["frame.name.meaning", "conventions.names"],
         &short(&plain),
-        EncoderConfig { digests: false, ..config() },
+        config().with_digests(false),
     )?;
     add(
         "torus",
@@ -241,8 +231,8 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         config(),
     )?;
     for stream in predicted(&body) {
-        let config = EncoderConfig { nodes: 30.into(), translation: stream.choice, ..config() };
-        let config = EncoderConfig { up_axis: stream.up_axis, group_length: 5, ..config };
+        let config = config().with_nodes(30).with_translation(stream.choice);
+        let config = config.with_up_axis(stream.up_axis).with_group_length(5);
         add(stream.name, stream.danger, stream.covers, &stream.frames, config)?;
     }
     Ok(drafts)

@@ -89,25 +89,27 @@ impl Report {
 
     /// A frame has been coded; frames are read before they are coded.
     pub(super) fn coded(&mut self, frame: FrameReport) {
-        let entry = usize::try_from(frame.index).ok().and_then(|at| self.frames.get_mut(at));
+        let common = frame.frame();
+        let entry = usize::try_from(common.index).ok().and_then(|at| self.frames.get_mut(at));
         let Some(entry) = entry else { return };
+        let (intra, predicted) = (frame.intra(), frame.predicted());
         entry.coded = Some(CodedEntry {
-            kind: stream::kind_letter(frame.kind),
-            bytes: frame.bytes,
-            node_bytes: frame.node_bytes,
-            vertices: frame.vertices,
-            faces: frame.faces,
-            nodes: frame.nodes,
-            affine_nodes: frame.affine_nodes,
-            combination: frame.combination.map(|combination| combination.name()),
-            translation: frame.translation.map(|mode| mode.to_string()),
-            steps: frame.steps.map(steps_json),
-            cost: frame.cost.map(cost_json),
-            input_faces: frame.input_faces,
-            decimation_error: frame.decimation_error,
-            fit_rms: frame.fit_rms,
-            parts: frame.parts.map(PartsEntry::from),
-            reason: frame.reason,
+            kind: stream::kind_letter(frame.kind()),
+            bytes: common.bytes,
+            node_bytes: predicted.map_or(0, |report| report.node_bytes),
+            vertices: common.vertices,
+            faces: common.faces,
+            nodes: predicted.map_or(0, |report| report.nodes),
+            affine_nodes: predicted.map_or(0, |report| report.affine_nodes),
+            combination: predicted.map(|report| report.combination.name()),
+            translation: predicted.map(|report| report.translation.to_string()),
+            steps: predicted.map(|report| steps_json(report.steps)),
+            cost: predicted.and_then(|report| report.cost).map(cost_json),
+            input_faces: common.input_faces,
+            decimation_error: intra.map_or(0.0, |report| report.decimation_error),
+            fit_rms: predicted.map_or(0.0, |report| report.fit_rms),
+            parts: common.parts.clone().map(PartsEntry::from),
+            reason: intra.and_then(|report| report.reason).map(|reason| reason.to_string()),
         });
     }
 

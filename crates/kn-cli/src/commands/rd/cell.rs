@@ -6,7 +6,7 @@ use super::results::{CellResult, FrameResult};
 use super::sequences::{Sequence, hex};
 use super::store::Store;
 use crate::output::write_file;
-use crate::settings::{Settings, flags_of};
+use crate::settings::{Settings, check_settings, flags_of};
 use crate::stream::{self, kind_letter};
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Encoder, EncoderConfig, LabelChoice};
@@ -38,20 +38,22 @@ impl<'p> Cell<'p> {
         rate: &'p RateEntry,
         metrics: CompareOptions,
     ) -> Result<Self> {
-        let mut config = EncoderConfig {
-            frame_rate: sequence.rate,
-            up_axis: sequence.up_axis,
-            names: sequence.names.clone(),
-            ..codec.preset()?.config()
-        };
+        let mut config = codec
+            .preset()?
+            .config()
+            .with_frame_rate(sequence.rate)
+            .with_up_axis(sequence.up_axis)
+            .with_names(sequence.names.clone());
         let settings = Settings::from_table(&merged(codec, entry, rate))?;
-        settings.apply(&mut config, Some(sequence.bounds));
+        settings.apply(&mut config);
+        config.sequence.grid = config.sequence.grid.with_bounds(Some(sequence.bounds));
+        check_settings(&config)?;
         let labels = match codec.labels {
             CodecLabels::Sequence if entry.auto_labels() => CodecLabels::Auto,
             labels => labels,
         };
-        config.labels = match labels {
-            CodecLabels::Sequence => config.labels,
+        config.intra.labels = match labels {
+            CodecLabels::Sequence => config.intra.labels,
             CodecLabels::Auto => LabelChoice::Auto,
             CodecLabels::None => LabelChoice::Given,
         };

@@ -1,0 +1,93 @@
+//! Settings that cannot be: out of their range, or in contradiction to each other.
+
+use std::fmt;
+use strum::{AsRefStr, Display, VariantArray};
+
+/// A setting of [`crate::EncoderConfig`], as errors name it: the path of its field, and in
+/// parentheses the case where the field has several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, AsRefStr, Display, VariantArray)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "each is documented at the field that its name tells")]
+pub enum Setting {
+    #[strum(serialize = "sequence.grid (bits)")]
+    Bits,
+    #[strum(serialize = "sequence.grid (step)")]
+    Step,
+    #[strum(serialize = "sequence.grid (bounds)")]
+    Bounds,
+    #[strum(serialize = "sequence.grid (lossless)")]
+    Lossless,
+    #[strum(serialize = "sequence.frame_rate")]
+    FrameRate,
+    #[strum(serialize = "sequence.fraction_bits")]
+    FractionBits,
+    #[strum(serialize = "sequence.group_length")]
+    GroupLength,
+    #[strum(serialize = "sequence.names")]
+    Names,
+    #[strum(serialize = "intra.decimation (faces)")]
+    DecimationFaces,
+    #[strum(serialize = "intra.decimation (error)")]
+    DecimationError,
+    #[strum(serialize = "intra.smoothing")]
+    Smoothing,
+    #[strum(serialize = "motion.nodes")]
+    Nodes,
+    #[strum(serialize = "motion.nodes_per_vertex")]
+    NodesPerVertex,
+    #[strum(serialize = "motion.weights")]
+    Weights,
+    #[strum(serialize = "motion.affine")]
+    Affine,
+    #[strum(serialize = "motion.combination")]
+    Combination,
+    #[strum(serialize = "motion.translation_step")]
+    TranslationStep,
+    #[strum(serialize = "motion.rotation_step")]
+    RotationStep,
+    #[strum(serialize = "motion.scale_step")]
+    ScaleStep,
+    #[strum(serialize = "motion.shear_step")]
+    ShearStep,
+    #[strum(serialize = "rate.lambda")]
+    Lambda,
+    #[strum(serialize = "rate.distortion")]
+    Distortion,
+}
+
+/// Settings that no stream can be encoded with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SettingsError {
+    settings: Vec<Setting>,
+    /// A sentence in which `{0}`, `{1}` … stand for the settings.
+    sentence: String,
+}
+
+impl SettingsError {
+    /// `sentence` has `{0}`, `{1}` … for the names of `settings`.
+    pub(crate) fn new(settings: &[Setting], sentence: impl Into<String>) -> Self {
+        Self { settings: settings.to_vec(), sentence: sentence.into() }
+    }
+
+    /// The settings that are concerned: one that is out of its range, or those that contradict each
+    /// other.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
+    /// The sentence with the settings named by `name`, as a command line names its flags.
+    pub fn describe<N: fmt::Display>(&self, name: impl Fn(Setting) -> N) -> String {
+        let named = |sentence: String, (place, &setting): (usize, &Setting)| {
+            sentence.replace(&format!("{{{place}}}"), &name(setting).to_string())
+        };
+        self.settings.iter().enumerate().fold(self.sentence.clone(), named)
+    }
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe(|setting| setting))
+    }
+}
+
+impl std::error::Error for SettingsError {}
