@@ -2,6 +2,7 @@
 //! uncertainty.
 
 use crate::parallel::*;
+use kn_mesh::adjacency::{Rows, vertex_links};
 
 /// Passes of the smoothing (`smooth.pass`).
 const PASSES: usize = 3;
@@ -33,15 +34,10 @@ const STRENGTHS: [Strength; Smoother::STRENGTHS as usize] = [
 /// half a grid step on each axis from where it was decoded, which is as much as the grid left open.
 #[derive(Clone, Debug, Default)]
 pub struct Smoother {
-    /// Neighbours of vertex v are `neighbours[starts[v]..starts[v + 1]]`, rising; none for a vertex
-    /// that does not move.
-    starts: Vec<u32>,
-    neighbours: Vec<u32>,
-    /// The other two corners of every face at vertex v: `corners[ends[v]..ends[v + 1]]`.
-    ends: Vec<u32>,
-    corners: Vec<u32>,
-    /// `#V`: where the next corners go.
-    next: Vec<u32>,
+    /// `#V` rows: the neighbours of each vertex, rising; none for a vertex that does not move.
+    neighbours: Rows,
+    /// `#V` rows: the other two corners of every face at each vertex.
+    links: Rows<[u32; 2]>,
     /// `#V × 3`: positions of the current pass.
     positions: Vec<[f64; 3]>,
     /// `#V × 3`: the operator applied once.
@@ -54,7 +50,7 @@ impl Smoother {
 
     /// Forgets the last mesh: the next one may have other faces.
     pub fn begin_mesh(&mut self) {
-        self.starts.clear();
+        self.neighbours.offsets.clear();
     }
 
     /// Smooths `positions` (`#V × 3`, reference units) of a mesh with `faces` (`#F × 3`)
@@ -73,10 +69,10 @@ impl Smoother {
     ) {
         let Some(index) = strength.checked_sub(1) else { return };
         let strength = STRENGTHS[usize::from(index)];
-        if self.starts.is_empty() {
+        if self.neighbours.offsets.is_empty() {
             self.collect_neighbours(positions.len(), faces);
         }
-        assert_eq!(self.starts.len(), positions.len() + 1);
+        assert_eq!(self.neighbours.len(), positions.len());
         self.positions.clear();
         self.positions.extend(positions.iter().map(|p| p.map(f64::from)));
         for _ in 0..PASSES {
@@ -93,20 +89,20 @@ impl Smoother {
 
     /// `smooth.pass`.
     fn pass(&mut self, decoded: &[[i32; 3]], strength: Strength) {
-        let Self { starts, neighbours, positions, once, .. } = self;
+        let Self { neighbours, positions, once, .. } = self;
         once.resize(positions.len(), [0.0; 3]);
-        let of = |vertex: usize| &neighbours[starts[vertex] as usize..starts[vertex + 1] as usize];
+        let neighbours = &*neighbours;
         once.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, once)| {
             for (offset, out) in once.iter_mut().enumerate() {
                 let vertex = chunk * CHUNK + offset;
-                *out = umbrella(of(vertex), positions, vertex);
+                *out = umbrella(neighbours.row(vertex), positions, vertex);
             }
         });
         let once = &once[..];
         positions.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, positions)| {
             for (offset, x) in positions.iter_mut().enumerate() {
                 let vertex = chunk * CHUNK + offset;
-                let twice = umbrella(of(vertex), once, vertex);
+                let twice = umbrella(neighbours.row(vertex), once, vertex);
                 for axis in 0..3 {
                     let back = f64::from(decoded[vertex][axis]) - x[axis];
                     x[axis] += strength.relaxation * (back - strength.bending * twice[axis]);
@@ -117,36 +113,15 @@ impl Smoother {
 
     /// `smooth.neighbours`: a vertex moves where each of its edges has two faces.
     fn collect_neighbours(&mut self, vertex_count: usize, faces: &[[u32; 3]]) {
-        let Self { starts, neighbours, ends, corners, next, .. } = self;
-        ends.clear();
-        ends.resize(vertex_count + 1, 0);
-        for &vertex in faces.iter().flatten() {
-            ends[vertex as usize + 1] += 2;
-        }
-        let mut end = 0;
-        for own in &mut *ends {
-            end += *own;
-            *own = end;
-        }
-        corners.resize(6 * faces.len(), 0);
-        next.clone_from(ends);
-        for &[a, b, c] in faces {
-            for (vertex, pair) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
-                let at = &mut next[vertex as usize];
-                corners[*at as usize..*at as usize + 2].copy_from_slice(&pair);
-                *at += 2;
-            }
-        }
-        starts.push(0);
-        neighbours.clear();
-        for vertex in 0..vertex_count {
-            let ring = &mut corners[ends[vertex] as usize..ends[vertex + 1] as usize];
-            ring.sort_unstable();
-            let runs = || ring.chunk_by(|a, b| a == b);
+        let Self { neighbours, links, .. } = self;
+        vertex_links(vertex_count, faces, links);
+        neighbours.restart();
+        for ring in links.iter() {
+            let runs = || ring.as_flattened().chunk_by(|a, b| a == b);
             if runs().all(|run| run.len() == 2) {
-                neighbours.extend(runs().map(|run| run[0]));
+                neighbours.values.extend(runs().map(|run| run[0]));
             }
-            starts.push(neighbours.len() as u32);
+            neighbours.end_row();
         }
     }
 }

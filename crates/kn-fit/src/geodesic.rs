@@ -1,54 +1,44 @@
 //! Distances along the mesh: shortest paths over its edges.
 
-use crate::surface::Edge;
+use kn_mesh::adjacency::Rows;
 use kn_mesh::vec3::{Vec3, distance};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// A mesh as a graph of weighted edges, in compressed rows.
+/// A mesh as a graph of weighted edges.
 pub(crate) struct EdgeGraph {
-    starts: Vec<u32>,
-    /// Neighbour and length of the edge to it.
-    links: Vec<(u32, f64)>,
+    /// `#V` rows: neighbour and length of the edge to it.
+    links: Rows<(u32, f64)>,
 }
 
 impl EdgeGraph {
-    /// The graph of those `edges` of the mesh for which `keep` holds; coincident vertices are joined, since
-    /// scans come cut along seams of their texture.
-    pub(crate) fn new(positions: &[Vec3], edges: &[Edge], keep: impl Fn(u32, u32) -> bool) -> Self {
-        let mut pairs: Vec<(u32, u32)> = edges.iter().map(|&(a, b, _)| (a, b)).collect();
+    /// The graph of those `edges` (`#E × 2`) of the mesh for which `keep` holds; coincident vertices are
+    /// joined, since scans come cut along seams of their texture.
+    pub(crate) fn new(
+        positions: &[Vec3],
+        edges: &[[u32; 2]],
+        keep: impl Fn(u32, u32) -> bool,
+    ) -> Self {
+        let mut pairs = edges.to_vec();
         pairs.extend(coincident(positions));
-        pairs.retain(|&(a, b)| keep(a, b));
-        let mut starts = vec![0; positions.len() + 1];
-        for &(a, b) in &pairs {
-            starts[a as usize + 1] += 1;
-            starts[b as usize + 1] += 1;
-        }
-        for v in 0..positions.len() {
-            starts[v + 1] += starts[v];
-        }
-        let mut links = vec![(0, 0.0); 2 * pairs.len()];
-        let mut next = starts.clone();
-        for (a, b) in pairs {
+        pairs.retain(|&[a, b]| keep(a, b));
+        let links = pairs.iter().flat_map(|&[a, b]| {
             let length = distance(positions[a as usize], positions[b as usize]);
-            for (from, to) in [(a, b), (b, a)] {
-                links[next[from as usize] as usize] = (to, length);
-                next[from as usize] += 1;
-            }
-        }
-        Self { starts, links }
+            [(a, (b, length)), (b, (a, length))]
+        });
+        Self { links: Rows::collect(positions.len(), links) }
     }
 
     pub(crate) fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
+        self.links.len()
     }
 
     pub(crate) fn neighbours(&self, vertex: u32) -> &[(u32, f64)] {
-        let v = vertex as usize;
-        &self.links[self.starts[v] as usize..self.starts[v + 1] as usize]
+        self.links.row(vertex as usize)
     }
 
-    /// `#V` component numbers and how many there are, numbered by their lowest vertex.
+    /// `#V` component numbers and how many there are, numbered by their lowest vertex. They are those of
+    /// the graph, whose edges were chosen and whose seams are joined, and not those of the mesh.
     pub(crate) fn components(&self) -> (Vec<u32>, usize) {
         let mut component = vec![u32::MAX; self.vertex_count()];
         let mut count = 0;
@@ -74,11 +64,11 @@ impl EdgeGraph {
 }
 
 /// Pairs of vertices at exactly the same place, each with the next one of its place.
-fn coincident(positions: &[Vec3]) -> Vec<(u32, u32)> {
+fn coincident(positions: &[Vec3]) -> Vec<[u32; 2]> {
     let key = |v: u32| positions[v as usize].map(|c| (c + 0.0).to_bits());
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (key(v), v));
-    order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])).map(|p| (p[0], p[1])).collect()
+    order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])).map(|p| [p[0], p[1]]).collect()
 }
 
 /// A multi-source shortest-path field that grows as sources are added.

@@ -10,7 +10,8 @@ use crate::quadratic::Observations;
 use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::FitSource;
-use crate::surface::{boundary_vertices, edges, vertex_areas};
+use crate::surface::vertex_areas;
+use kn_mesh::adjacency::EdgeTable;
 use kn_mesh::vec3::{Vec3, add, distance, scale, sub};
 
 /// The structure of the fits of one group of frames.
@@ -20,9 +21,9 @@ pub(crate) struct Group {
     pub(crate) elimination: Elimination,
     /// Neighbours in the smoothness term.
     pub(crate) pairs: Vec<(u16, u16)>,
-    /// Vertices and number of faces of each edge.
-    pub(crate) edges: Vec<(u32, u32, u32)>,
-    /// Length of each edge in the first reference.
+    /// `#E × 2`.
+    pub(crate) edges: Vec<[u32; 2]>,
+    /// `#E` lengths of the edges in the first reference.
     pub(crate) edge_lengths: Vec<f64>,
     pub(crate) boundary: Vec<bool>,
     /// `#V` of the first reference, see [`reach`].
@@ -41,8 +42,9 @@ impl Group {
         if total <= 0.0 {
             return Err(FitError::NoSurface { mesh: Side::Source });
         }
-        let edges = edges(source.faces);
-        let graph = EdgeGraph::new(source.positions, &edges, |_, _| true);
+        let vertex_count = source.positions.len();
+        let table = EdgeTable::new(vertex_count, source.faces);
+        let graph = EdgeGraph::new(source.positions, &table.edges, |_, _| true);
         let pairs = neighbours(source.positions, &graph, source.nodes);
         let mut together = PairSet::new(source.nodes.len());
         for &(a, b) in &pairs {
@@ -57,15 +59,18 @@ impl Group {
             together.add_clique(&nodes);
         }
         let pattern = BlockPattern::new(&together, source.nodes.len());
-        let place = |v: u32| source.positions[v as usize];
+        let length = |edge: &[u32; 2]| {
+            let [a, b] = edge.map(|v| source.positions[v as usize]);
+            distance(a, b)
+        };
         Ok(Self {
-            edge_lengths: edges.iter().map(|&(a, b, _)| distance(place(a), place(b))).collect(),
+            edge_lengths: table.edges.iter().map(length).collect(),
             elimination: Elimination::new(&pattern),
             pattern,
             pairs,
-            boundary: boundary_vertices(source.positions.len(), &edges),
+            boundary: table.boundary_vertices(vertex_count),
             reach: reach(source.positions, &areas, &graph),
-            edges,
+            edges: table.edges,
             sample: Sample::spread(source.positions, &areas, SAMPLES),
             all: Sample::all(&areas),
             spacing: (total / source.nodes.len() as f64).sqrt(),

@@ -89,7 +89,7 @@ impl Outcome<'_> {
         let positions = &self.deformed.positions;
         let diagonal = self.target.diagonal;
         let (mut sum, mut area, mut longest) = (0.0, 0.0, (0.0, 0));
-        for (&(a, b, _), &before) in self.group.edges.iter().zip(&self.group.edge_lengths) {
+        for (&[a, b], &before) in self.group.edges.iter().zip(&self.group.edge_lengths) {
             let (from, to) = (positions[a as usize], positions[b as usize]);
             let now = distance(from, to);
             let stretched =

@@ -85,7 +85,7 @@ fn spread(seed: usize, pairs: &[(u16, u16)], attached: &mut [bool]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::edges;
+    use kn_mesh::adjacency::EdgeTable;
 
     #[test]
     fn strips_side_by_side_are_joined_once() {
@@ -105,7 +105,8 @@ mod tests {
         // Strip 0 has the nodes 0, 1, 2 and strip 1 the nodes 3, 4, 5.
         let nodes: Vec<Vec3> =
             [0, 8, 18, 20, 28, 38].iter().map(|&v: &usize| positions[v]).collect();
-        let graph = EdgeGraph::new(&positions, &edges(&faces), |_, _| true);
+        let edges = EdgeTable::new(positions.len(), &faces).edges;
+        let graph = EdgeGraph::new(&positions, &edges, |_, _| true);
         let pairs = neighbours(&positions, &graph, &nodes);
         assert_eq!(pairs[..4], [(0, 1), (1, 2), (3, 4), (4, 5)]);
         assert_eq!(pairs.len(), 5);

@@ -5,7 +5,8 @@ use crate::error::FitError;
 use crate::error::Side;
 use crate::geodesic::{DistanceField, EdgeGraph};
 use crate::source::{check_length, check_mesh};
-use crate::surface::{edges, vertex_areas};
+use crate::surface::vertex_areas;
+use kn_mesh::adjacency::EdgeTable;
 use kn_mesh::vec3::{Vec3, add, distance, scale};
 
 /// Up to `count` vertices (`#N` indices, in the order of choice), spread evenly along the surface.
@@ -33,7 +34,8 @@ pub fn place_farthest(
         check_length("regions", regions.len(), positions.len())?;
     }
     let region = |v: u32| regions.map_or(0, |regions| regions[v as usize]);
-    let graph = EdgeGraph::new(positions, &edges(faces), |a, b| region(a) == region(b));
+    let edges = EdgeTable::new(positions.len(), faces).edges;
+    let graph = EdgeGraph::new(positions, &edges, |a, b| region(a) == region(b));
     let mut chosen = seeds(positions, faces, &graph, region, count);
     let mut field = DistanceField::new(positions.len());
     for (number, &vertex) in chosen.iter().enumerate() {

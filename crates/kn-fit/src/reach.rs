@@ -24,7 +24,8 @@ pub(crate) fn reach(positions: &[Vec3], areas: &[f64], graph: &EdgeGraph) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{edges, vertex_areas};
+    use crate::surface::vertex_areas;
+    use kn_mesh::adjacency::EdgeTable;
 
     /// A strip two rows wide whose columns are at `places`.
     fn strip(places: &[[f64; 2]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -34,7 +35,8 @@ mod tests {
     }
 
     fn reach_of(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<f64> {
-        let graph = EdgeGraph::new(positions, &edges(faces), |_, _| true);
+        let edges = EdgeTable::new(positions.len(), faces).edges;
+        let graph = EdgeGraph::new(positions, &edges, |_, _| true);
         reach(positions, &vertex_areas(positions, faces), &graph)
     }
 

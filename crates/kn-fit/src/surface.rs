@@ -1,4 +1,4 @@
-//! Areas, normals, borders and edges of a triangle mesh.
+//! Areas and normals of a triangle mesh.
 
 use kn_mesh::vec3::{Vec3, add, cross, norm, sub, unit};
 
@@ -33,42 +33,6 @@ pub(crate) fn vertex_areas(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<f64> {
         }
     }
     areas
-}
-
-/// The lower and the higher vertex of an edge, and the number of faces that have it.
-pub(crate) type Edge = (u32, u32, u32);
-
-/// The undirected edges of a mesh, each once, in rising order.
-pub(crate) fn edges(faces: &[[u32; 3]]) -> Vec<Edge> {
-    // Both vertices in one number sort twice as fast as a pair.
-    let mut halves: Vec<u64> = faces
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .filter(|&(a, b)| a != b)
-        .map(|(a, b)| u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
-        .collect();
-    halves.sort_unstable();
-    let mut edges: Vec<Edge> = Vec::with_capacity(halves.len() / 2);
-    for half in halves {
-        let (a, b) = ((half >> 32) as u32, half as u32);
-        match edges.last_mut() {
-            Some(last) if (last.0, last.1) == (a, b) => last.2 += 1,
-            _ => edges.push((a, b, 1)),
-        }
-    }
-    edges
-}
-
-/// `#V`, whether a vertex lies on an edge that only one face has.
-pub(crate) fn boundary_vertices(vertex_count: usize, edges: &[Edge]) -> Vec<bool> {
-    let mut boundary = vec![false; vertex_count];
-    for &(a, b, faces) in edges {
-        if faces == 1 {
-            boundary[a as usize] = true;
-            boundary[b as usize] = true;
-        }
-    }
-    boundary
 }
 
 /// The diagonal of the axis-aligned box.

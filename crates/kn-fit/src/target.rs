@@ -6,7 +6,8 @@ use crate::geodesic::EdgeGraph;
 use crate::reach::reach;
 use crate::sample::Sample;
 use crate::source::{check_length, check_mesh};
-use crate::surface::{boundary_vertices, diagonal, edges, vertex_areas, vertex_normals};
+use crate::surface::{diagonal, vertex_areas, vertex_normals};
+use kn_mesh::adjacency::EdgeTable;
 use kn_mesh::vec3::{Vec3, add, dot, scale, unit};
 use kn_metrics::TriangleTree;
 
@@ -46,15 +47,15 @@ impl FitTarget {
         if areas.iter().sum::<f64>() <= 0.0 {
             return Err(FitError::NoSurface { mesh: Side::Target });
         }
-        let edges = edges(faces);
-        let graph = EdgeGraph::new(positions, &edges, |_, _| true);
+        let table = EdgeTable::new(positions.len(), faces);
+        let graph = EdgeGraph::new(positions, &table.edges, |_, _| true);
         let mut normals = Vec::new();
         vertex_normals(positions, faces, &mut normals);
         Ok(Self {
             tree: TriangleTree::new(positions, faces)
                 .map_err(|source| FitError::Tree { mesh: Side::Target, source })?,
             normals,
-            boundary: boundary_vertices(positions.len(), &edges),
+            boundary: table.boundary_vertices(positions.len()),
             reach: reach(positions, &areas, &graph),
             sample: Sample::spread(positions, &areas, SAMPLES),
             diagonal: diagonal(positions),

@@ -3,6 +3,7 @@
 use super::net::Surface;
 use super::random::Random;
 use glam::DVec3;
+use kn_mesh::adjacency::{Rows, vertex_faces};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -50,7 +51,7 @@ pub(super) fn cut_holes(surface: &mut Surface, count: u32, random: Random) {
 
 struct Cutter<'a> {
     surface: &'a Surface,
-    around: Vec<Vec<u32>>,
+    around: Rows,
     gone: Vec<bool>,
     /// Vertices of holes and of their rims.
     taken: Vec<bool>,
@@ -58,12 +59,7 @@ struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     fn new(surface: &'a Surface) -> Self {
-        let mut around = vec![Vec::new(); surface.positions.len()];
-        for (face, corners) in surface.faces.iter().enumerate() {
-            for &v in corners {
-                around[v as usize].push(face as u32);
-            }
-        }
+        let around = vertex_faces(surface.positions.len(), &surface.faces);
         let gone = vec![false; surface.faces.len()];
         Self { surface, around, gone, taken: vec![false; surface.positions.len()] }
     }
@@ -90,7 +86,7 @@ impl<'a> Cutter<'a> {
     fn disc(&self, seed: usize, inner: usize) -> Option<Vec<u32>> {
         let patch = self.patch(seed, inner);
         let mut faces: Vec<u32> =
-            patch.iter().flat_map(|&v| self.around[v as usize].iter().copied()).collect();
+            patch.iter().flat_map(|&v| self.around.row(v as usize).iter().copied()).collect();
         faces.sort_unstable();
         faces.dedup();
         let corners = faces.iter().map(|&f| self.surface.faces[f as usize]);
@@ -118,7 +114,7 @@ impl<'a> Cutter<'a> {
         let mut patch = vec![seed as u32];
         let mut queue = VecDeque::from([seed as u32]);
         while let Some(v) = queue.pop_front() {
-            for &face in &self.around[v as usize] {
+            for &face in self.around.row(v as usize) {
                 for next in self.surface.faces[face as usize] {
                     if patch.len() < inner && !patch.contains(&next) {
                         patch.push(next);

@@ -7,6 +7,7 @@
 
 use super::net::Surface;
 use glam::{DMat3, DVec3};
+use kn_mesh::adjacency::{Rows, vertex_faces};
 use rayon::prelude::*;
 
 /// Share of the edges, from the cheapest, that a round may collapse.
@@ -78,10 +79,10 @@ pub(super) fn simplify(surface: &mut Surface, target: usize) {
     let mut quadrics = vertex_quadrics(surface);
     let mut count = surface.positions.len();
     while count > target {
-        let rings = Rings::of(surface);
+        let around = vertex_faces(surface.positions.len(), &surface.faces);
         let collapses = cheapest(surface, &quadrics);
         let mut round =
-            Round { rings, touched: vec![false; surface.positions.len()], left: count - target };
+            Round { around, touched: vec![false; surface.positions.len()], left: count - target };
         let before = round.left;
         round.run(surface, &mut quadrics, &collapses);
         surface.faces.retain(|f| f[0] != f[1] && f[1] != f[2] && f[2] != f[0]);
@@ -128,55 +129,25 @@ fn cheapest(surface: &Surface, quadrics: &[Quadric]) -> Vec<Collapse> {
     collapses
 }
 
-/// Faces around every vertex.
-struct Rings {
-    first: Vec<u32>,
-    faces: Vec<u32>,
-}
-
-impl Rings {
-    fn of(surface: &Surface) -> Self {
-        let mut first = vec![0_u32; surface.positions.len() + 1];
-        for &v in surface.faces.iter().flatten() {
-            first[v as usize + 1] += 1;
-        }
-        for v in 1..first.len() {
-            first[v] += first[v - 1];
-        }
-        let mut next = first.clone();
-        let mut faces = vec![0; 3 * surface.faces.len()];
-        for (face, corners) in surface.faces.iter().enumerate() {
-            for &v in corners {
-                faces[next[v as usize] as usize] = face as u32;
-                next[v as usize] += 1;
-            }
-        }
-        Self { first, faces }
-    }
-
-    fn around(&self, vertex: u32) -> &[u32] {
-        &self.faces[self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
-    }
-
-    /// Writes the neighbours of a vertex to `ring`. Each is found once: around a vertex of a
-    /// closed surface every neighbour follows it in exactly one face.
-    fn neighbours(&self, surface: &Surface, vertex: u32, ring: &mut Vec<u32>) {
-        ring.clear();
-        for &face in self.around(vertex) {
-            let [a, b, c] = surface.faces[face as usize];
-            ring.push(if a == vertex {
-                b
-            } else if b == vertex {
-                c
-            } else {
-                a
-            });
-        }
+/// Writes the neighbours of a vertex to `ring`. Each is found once: around a vertex of a
+/// closed surface every neighbour follows it in exactly one face.
+fn neighbours(surface: &Surface, around: &Rows, vertex: u32, ring: &mut Vec<u32>) {
+    ring.clear();
+    for &face in around.row(vertex as usize) {
+        let [a, b, c] = surface.faces[face as usize];
+        ring.push(if a == vertex {
+            b
+        } else if b == vertex {
+            c
+        } else {
+            a
+        });
     }
 }
 
 struct Round {
-    rings: Rings,
+    /// Faces around every vertex, as they were when the round began.
+    around: Rows,
     /// Vertices whose faces have changed in this round.
     touched: Vec<bool>,
     left: usize,
@@ -193,8 +164,8 @@ impl Round {
             if self.touched[keep as usize] || self.touched[gone as usize] {
                 continue;
             }
-            self.rings.neighbours(surface, keep, &mut a);
-            self.rings.neighbours(surface, gone, &mut b);
+            neighbours(surface, &self.around, keep, &mut a);
+            neighbours(surface, &self.around, gone, &mut b);
             let fresh = a.iter().chain(&b).all(|&v| !self.touched[v as usize]);
             if fresh && links_meet_twice(&a, &b) && self.keeps_sides(surface, collapse) {
                 for &v in a.iter().chain(&b) {
@@ -207,7 +178,7 @@ impl Round {
 
     fn apply(&mut self, surface: &mut Surface, quadrics: &mut [Quadric], collapse: &Collapse) {
         let [keep, gone] = collapse.ends;
-        for &face in self.rings.around(gone) {
+        for &face in self.around.row(gone as usize) {
             for corner in &mut surface.faces[face as usize] {
                 if *corner == gone {
                     *corner = keep;
@@ -241,7 +212,7 @@ impl Round {
             let grows = shape(new) > f64::min(0.05, shape(old));
             before.dot(after) > 0.3 * before.length() * after.length() && grows
         };
-        let (a, b) = (self.rings.around(keep), self.rings.around(gone));
+        let (a, b) = (self.around.row(keep as usize), self.around.row(gone as usize));
         a.iter().chain(b).all(stays)
     }
 }

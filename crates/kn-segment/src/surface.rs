@@ -4,6 +4,7 @@
 use super::V3;
 use super::error::SegmentError;
 use kn_bitstream::params::UpAxis;
+use kn_mesh::adjacency::{Components, Rows, vertex_neighbours};
 
 /// A scan in template units.
 pub(super) struct Surface {
@@ -13,13 +14,11 @@ pub(super) struct Surface {
     pub(super) normals: Vec<V3>,
     /// `#V`, a third of the area of the faces around each vertex.
     pub(super) areas: Vec<f64>,
-    /// `#V + 1` offsets into `list`.
-    starts: Vec<u32>,
-    list: Vec<u32>,
-    /// `#V` index of the connected component.
-    pub(super) component: Vec<u32>,
+    /// `#V` rows: the neighbours of each vertex, ascending.
+    neighbours: Rows,
+    components: Components,
     /// Area of each component.
-    pub(super) component_areas: Vec<f64>,
+    component_areas: Vec<f64>,
 }
 
 impl Surface {
@@ -32,29 +31,27 @@ impl Surface {
     ) -> Result<Self, SegmentError> {
         check(positions, faces)?;
         let points: Vec<V3> = positions.iter().map(|p| upright(*p, up.index())).collect();
-        let (starts, list) = neighbours(points.len(), faces);
         let mut surface = Self {
             normals: vec![V3::zeros(); points.len()],
             areas: vec![0.0; points.len()],
-            component: Vec::new(),
+            neighbours: vertex_neighbours(points.len(), faces),
+            components: Components::new(points.len(), faces),
             component_areas: Vec::new(),
             points,
-            starts,
-            list,
         };
         surface.measure(faces);
         // Below or above this, squares and cubes of lengths leave the range of binary64.
         if !(1e-60..1e60).contains(&surface.area()) {
             return Err(SegmentError::NoArea);
         }
-        surface.split();
+        surface.measure_components();
         surface.smooth_normals(4);
         Ok(surface)
     }
 
     /// Neighbours of vertex `v`, ascending.
     pub(super) fn around(&self, v: usize) -> &[u32] {
-        &self.list[self.starts[v] as usize..self.starts[v + 1] as usize]
+        self.neighbours.row(v)
     }
 
     /// Area of the whole surface.
@@ -102,29 +99,12 @@ impl Surface {
         self.normals = normals;
     }
 
-    fn split(&mut self) {
-        let none = u32::MAX;
-        self.component = vec![none; self.points.len()];
-        let mut stack = Vec::new();
-        for seed in 0..self.points.len() {
-            if self.component[seed] != none {
-                continue;
+    fn measure_components(&mut self) {
+        self.component_areas = vec![0.0; self.components.count];
+        for (&component, area) in self.components.of_vertex.iter().zip(&self.areas) {
+            if component != Components::ISOLATED {
+                self.component_areas[component as usize] += area;
             }
-            let index = self.component_areas.len() as u32;
-            let mut area = 0.0;
-            self.component[seed] = index;
-            stack.push(seed);
-            while let Some(v) = stack.pop() {
-                area += self.areas[v];
-                for i in self.starts[v]..self.starts[v + 1] {
-                    let u = self.list[i as usize] as usize;
-                    if self.component[u] == none {
-                        self.component[u] = index;
-                        stack.push(u);
-                    }
-                }
-            }
-            self.component_areas.push(area);
         }
     }
 
@@ -132,7 +112,11 @@ impl Surface {
     /// below 1 % of the area are taken for dirt and skipped.
     pub(super) fn samples(&self, count: usize) -> Samples {
         let total = self.area();
-        let clean = |v: usize| self.component_areas[self.component[v] as usize] >= 0.01 * total;
+        let component_area = |v: usize| match self.components.of_vertex[v] {
+            Components::ISOLATED => 0.0,
+            component => self.component_areas[component as usize],
+        };
+        let clean = |v: usize| component_area(v) >= 0.01 * total;
         let step = total / count as f64;
         let (mut sum, mut next) = (0.0, 0.5 * step);
         let mut samples = Samples::default();
@@ -184,40 +168,4 @@ fn check(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<(), SegmentError>
 fn upright(p: [f32; 3], up: usize) -> V3 {
     let p = p.map(f64::from);
     V3::new(p[(up + 2) % 3], p[up], p[(up + 1) % 3])
-}
-
-/// Vertex neighbours in compressed rows, each row ascending and without repeats.
-fn neighbours(count: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; count + 1];
-    for face in faces {
-        face.iter().for_each(|&i| starts[i as usize + 1] += 2);
-    }
-    for v in 0..count {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
-    let mut full = vec![0u32; starts[count] as usize];
-    for face in faces {
-        for k in 0..3 {
-            let v = face[k] as usize;
-            for other in [face[(k + 1) % 3], face[(k + 2) % 3]] {
-                full[next[v] as usize] = other;
-                next[v] += 1;
-            }
-        }
-    }
-    let mut list = Vec::with_capacity(full.len() / 2);
-    let mut packed = vec![0u32; count + 1];
-    for v in 0..count {
-        let row = &mut full[starts[v] as usize..starts[v + 1] as usize];
-        row.sort_unstable();
-        let first = list.len();
-        for &u in row.iter() {
-            if u as usize != v && (list.len() == first || list.last() != Some(&u)) {
-                list.push(u);
-            }
-        }
-        packed[v + 1] = list.len() as u32;
-    }
-    (packed, list)
 }

@@ -112,6 +112,8 @@ impl Collapsed {
 mod tests {
     use super::*;
     use kn_mesh::DROPPED;
+    use kn_mesh::adjacency::{EdgeTable, half_edge_ends};
+    use kn_mesh::vec3::distance;
     use kn_performer::{Performer, PerformerConfig};
 
     fn figure() -> Mesh {
@@ -125,19 +127,13 @@ mod tests {
 
     /// Edges that only one face has, and their length in all.
     fn boundary(mesh: &Mesh) -> (usize, f64) {
-        let mut edges: Vec<_> = mesh
-            .faces
-            .iter()
-            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-            .map(|(a, b)| (a.min(b), a.max(b)))
-            .collect();
-        edges.sort_unstable();
-        let open: Vec<_> = edges.chunk_by(|a, b| a == b).filter(|edge| edge.len() == 1).collect();
-        let length = |edge: &&[(u32, u32)]| {
-            let [a, b] = [edge[0].0, edge[0].1].map(|v| mesh.positions[v as usize]);
-            (0..3).map(|k| f64::from(a[k] - b[k])).map(|d| d * d).sum::<f64>().sqrt()
+        let table = EdgeTable::new(mesh.positions.len(), &mesh.faces);
+        let length = |half_edge: u32| {
+            let ends = half_edge_ends(&mesh.faces, half_edge);
+            let [a, b] = ends.map(|v| mesh.positions[v as usize].map(f64::from));
+            distance(a, b)
         };
-        (open.len(), open.iter().map(length).sum())
+        (table.boundary_count(), table.boundary().map(length).sum())
     }
 
     #[test]

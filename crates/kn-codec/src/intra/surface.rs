@@ -2,6 +2,7 @@
 //! the connectivity is known, with cut vertices tied together.
 
 use super::conquest::{Conquest, next, prev};
+use kn_mesh::adjacency::Rows;
 
 /// Valences are told apart up to this.
 const MOST_VALENCE: u32 = 64;
@@ -17,10 +18,8 @@ pub(super) struct Spoke {
 /// Connectivity as the vertex passes see it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
-    /// `#M + 1` where each vertex's ring starts in `spokes`.
-    start: Vec<u32>,
-    /// The rings, one behind the other. Dummies have none.
-    spokes: Vec<Spoke>,
+    /// `#M` rows: the ring of each vertex. Dummies have none.
+    spokes: Rows<Spoke>,
     /// `#M` valence, 64 where it is larger; 0 for a dummy.
     valence: Vec<u8>,
     /// `#M` the next vertex that is the same point; itself where none is.
@@ -30,19 +29,17 @@ pub(super) struct Surface {
 impl Surface {
     /// Starts over with the vertices of `conquest`, none of them tied to another.
     pub(super) fn restart(&mut self, conquest: &Conquest) {
-        self.start.clear();
-        self.spokes.clear();
+        self.spokes.restart();
         self.valence.clear();
         self.twin.clear();
-        self.start.reserve(conquest.vertices.len() + 1);
-        self.spokes.reserve(conquest.edges.len());
+        self.spokes.offsets.reserve(conquest.vertices.len());
+        self.spokes.values.reserve(conquest.edges.len());
         self.twin.extend(0..conquest.vertices.len() as u32);
-        self.start.push(0);
         for vertex in &conquest.vertices {
             if !vertex.dummy {
                 self.lay_ring(conquest, vertex.corner);
             }
-            self.start.push(self.spokes.len() as u32);
+            self.spokes.end_row();
             let valence = if vertex.dummy { 0 } else { vertex.valence.min(MOST_VALENCE) };
             self.valence.push(valence as u8);
         }
@@ -55,7 +52,7 @@ impl Surface {
         loop {
             let far = edges[next(h) as usize];
             let across = edges[prev(far.mate) as usize].origin;
-            self.spokes.push(Spoke { neighbour: far.origin, across });
+            self.spokes.values.push(Spoke { neighbour: far.origin, across });
             h = edges[prev(h) as usize].mate;
             if h == first {
                 break;
@@ -72,8 +69,7 @@ impl Surface {
     /// The neighbours of a vertex, once around it.
     #[inline]
     pub(super) fn ring(&self, vertex: u32) -> &[Spoke] {
-        let at = vertex as usize;
-        &self.spokes[self.start[at] as usize..self.start[at + 1] as usize]
+        self.spokes.row(vertex as usize)
     }
 
     /// Number of triangles around a vertex, at most 64.

@@ -6,8 +6,10 @@
 //! own, and every boundary loop is closed with triangles to a dummy vertex.
 
 use super::conquest::{NONE, next, prev};
+use kn_mesh::adjacency::Rows;
 
-/// Closed surfaces. Half-edge `3f + k` runs from corner `k` of triangle `f` to the next corner.
+/// Closed surfaces, as half-edges with mates: cutting and closing them changes mates one by one, which
+/// the rows of [`kn_mesh::adjacency`] cannot do. Half-edge `3f + k` runs from corner `k` of triangle `f` to the next corner.
 #[derive(Debug, Default)]
 pub(super) struct ClosedMesh {
     /// `3#T` vertex that each half-edge starts from.
@@ -40,11 +42,11 @@ impl ClosedMesh {
     }
 
     fn glue(&mut self, vertex_count: usize) {
-        let (start, order) = self.by_lower_end(vertex_count);
+        let by_lower_end = self.by_lower_end(vertex_count);
         self.mate = vec![NONE; self.origin.len()];
         let mut met = vec![Met::default(); vertex_count];
-        for (low, range) in start.windows(2).enumerate() {
-            for &h in &order[range[0] as usize..range[1] as usize] {
+        for (low, half_edges) in by_lower_end.iter().enumerate() {
+            for &h in half_edges {
                 let (a, b) = (self.origin[h as usize], self.origin[next(h) as usize]);
                 let met = &mut met[a.max(b) as usize];
                 if met.low != low as u32 + 1 {
@@ -60,24 +62,10 @@ impl ClosedMesh {
         }
     }
 
-    /// Half-edges grouped by the lower of their two vertices: group starts, and the half-edges.
-    fn by_lower_end(&self, vertex_count: usize) -> (Vec<u32>, Vec<u32>) {
-        let low = |h: u32| self.origin[h as usize].min(self.origin[next(h) as usize]) as usize;
-        let mut start = vec![0u32; vertex_count + 1];
-        for h in 0..self.origin.len() as u32 {
-            start[low(h) + 1] += 1;
-        }
-        for v in 0..vertex_count {
-            start[v + 1] += start[v];
-        }
-        let mut order = vec![0; self.origin.len()];
-        let mut cursor = start.clone();
-        for h in 0..self.origin.len() as u32 {
-            let at = &mut cursor[low(h)];
-            order[*at as usize] = h;
-            *at += 1;
-        }
-        (start, order)
+    /// Half-edges by the lower of their two vertices, `#V` rows.
+    fn by_lower_end(&self, vertex_count: usize) -> Rows {
+        let low = |h: u32| self.origin[h as usize].min(self.origin[next(h) as usize]);
+        Rows::collect(vertex_count, (0..self.origin.len() as u32).map(|h| (low(h), h)))
     }
 
     fn pair(&mut self, g: u32, h: u32) {

@@ -2,6 +2,7 @@
 
 use super::machine::{LANES, Machine};
 use crate::lanes::lanes;
+use kn_mesh::adjacency::{EdgeTable, Rows, half_edge_ends};
 use kn_mesh::vec3::{Vec3, cross, dot, norm, norm_squared, scale, sub};
 
 /// The upper triangle of a symmetric matrix, filled up with zeros: xx, xy, xz, yy, and yz, zz, 0, 0.
@@ -35,64 +36,45 @@ pub(super) struct Block {
 /// Who is next to whom.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
-    /// `#V + 1` starts into `blocks`.
-    starts: Vec<u32>,
     /// From world units to those of the blocks, in which the box's longest side is 1.
     pub(super) to_unit: f64,
-    /// The neighbours of each vertex in ascending order, each once.
-    blocks: Vec<Block>,
+    /// `#V` rows: the neighbours of each vertex in ascending order, each once.
+    blocks: Rows<Block>,
     /// Per edge its whole contribution to the tensor: (dihedral angle / length) · e eᵀ. Zero where
     /// an edge has not exactly two faces; not finite beside a face without area.
     pub(super) tensors: Vec<Symmetric>,
-}
-
-/// A face's side, filed under its lower vertex.
-#[derive(Clone, Copy, Default)]
-struct Side {
-    high: u32,
-    face: u32,
-    /// Whether the face runs from the lower to the higher vertex.
-    forward: bool,
 }
 
 impl Topology {
     /// Indices must be in range; a side from a vertex to itself is no edge. `side` is that of the
     /// faces' box.
     pub(super) fn new(positions: &[Vec3], faces: &[[u32; 3]], side: f64) -> Self {
-        let (starts, mut sides) = sides_by_lower_vertex(positions.len(), faces);
         let normals: Vec<Vec3> = faces
             .iter()
             .map(|face| unit_normal(face.map(|vertex| positions[vertex as usize])))
             .collect();
-        let mut edges = Vec::with_capacity(sides.len() / 2);
-        let mut tensors = Vec::with_capacity(sides.len() / 2);
-        for low in 0..positions.len() {
-            let sides = &mut sides[starts[low] as usize..starts[low + 1] as usize];
-            sides.sort_unstable_by_key(|side| (side.high, side.face));
-            for around in sides.chunk_by(|a, b| a.high == b.high) {
-                let high = around[0].high;
-                let along = sub(positions[high as usize], positions[low]);
-                edges.push([low as u32, high]);
-                tensors.push(edge_tensor(around, along, &normals));
-            }
-        }
-        let (starts, neighbours) = neighbours_of(positions.len(), &edges);
+        let table = EdgeTable::new(positions.len(), faces);
+        let tensor = |(&[low, high], around): (&[u32; 2], &[u32])| {
+            let along = sub(positions[high as usize], positions[low as usize]);
+            edge_tensor(sides(faces, around), along, &normals)
+        };
+        let tensors = table.edges.iter().zip(table.half_edges.iter()).map(tensor).collect();
         let to_unit = side.recip();
-        let (starts, blocks) = blocks_of(positions, to_unit, &starts, &neighbours);
-        Self { starts, to_unit, blocks, tensors }
+        let blocks = blocks_of(positions, to_unit, &table);
+        Self { to_unit, blocks, tensors }
     }
 
     /// A vertex's blocks and their indices.
     #[inline(always)]
     pub(super) fn blocks(&self, vertex: usize) -> impl Iterator<Item = (usize, &Block)> {
-        let (start, end) = (self.starts[vertex] as usize, self.starts[vertex + 1] as usize);
-        (start..).zip(&self.blocks[start..end])
+        let range = self.blocks.range(vertex);
+        range.clone().zip(&self.blocks.values[range])
     }
 
     /// The two ends of an edge, given eight times its block's index plus its lane.
     #[inline(always)]
     pub(super) fn ends(&self, slot: u32) -> [usize; 2] {
-        let block = &self.blocks[slot as usize / LANES];
+        let block = &self.blocks.values[slot as usize / LANES];
         [block.from as usize, block.vertices[slot as usize % LANES] as usize]
     }
 
@@ -104,7 +86,7 @@ impl Topology {
     }
 
     pub(super) fn is_isolated(&self, vertex: usize) -> bool {
-        self.starts[vertex] == self.starts[vertex + 1]
+        self.blocks.row(vertex).is_empty()
     }
 }
 
@@ -160,70 +142,43 @@ impl Block {
     }
 }
 
-/// Cuts each vertex's neighbours into blocks: (`#V + 1` starts, blocks).
-fn blocks_of(
-    positions: &[Vec3],
-    to_unit: f64,
-    starts: &[u32],
-    neighbours: &[Neighbour],
-) -> (Vec<u32>, Vec<Block>) {
-    let mut block_starts = Vec::with_capacity(starts.len());
-    let mut blocks = Vec::with_capacity(starts.len());
-    block_starts.push(0);
-    for (vertex, range) in starts.windows(2).enumerate() {
-        for some in neighbours[range[0] as usize..range[1] as usize].chunks(LANES) {
-            blocks.push(Block::new(positions, to_unit, vertex, some));
+/// Cuts each vertex's neighbours into blocks, `#V` rows.
+fn blocks_of(positions: &[Vec3], to_unit: f64, table: &EdgeTable) -> Rows<Block> {
+    let mut blocks = Rows::default();
+    blocks.restart();
+    blocks.offsets.reserve(positions.len());
+    blocks.values.reserve(positions.len());
+    let mut neighbours = Vec::new();
+    for (vertex, edges) in table.of_vertices(positions.len()).iter().enumerate() {
+        neighbours.clear();
+        neighbours.extend(edges.iter().map(|&edge| {
+            let [low, high] = table.edges[edge as usize];
+            Neighbour { vertex: if low as usize == vertex { high } else { low }, edge }
+        }));
+        for some in neighbours.chunks(LANES) {
+            blocks.values.push(Block::new(positions, to_unit, vertex, some));
         }
-        block_starts.push(blocks.len() as u32);
+        blocks.end_row();
     }
-    (block_starts, blocks)
+    blocks
 }
 
-/// All sides of all faces by counting sort: (`#V + 1` starts, sides).
-fn sides_by_lower_vertex(vertex_count: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Side>) {
-    let sides = || {
-        faces.iter().enumerate().flat_map(|(index, &[a, b, c])| {
-            [[a, b], [b, c], [c, a]].into_iter().filter(|[from, to]| from != to).map(
-                move |[from, to]| {
-                    let side = Side { high: from.max(to), face: index as u32, forward: from < to };
-                    (from.min(to), side)
-                },
-            )
-        })
+/// A face beside an edge.
+#[derive(Clone, Copy)]
+struct Side {
+    face: u32,
+    /// Whether the face runs from the lower to the higher vertex.
+    forward: bool,
+}
+
+/// The two faces of an edge with exactly two, given its half-edges.
+fn sides(faces: &[[u32; 3]], half_edges: &[u32]) -> Option<[Side; 2]> {
+    let side = |&half_edge: &u32| {
+        let [from, to] = half_edge_ends(faces, half_edge);
+        Side { face: half_edge / 3, forward: from < to }
     };
-    group(vertex_count, sides)
-}
-
-/// Both ends of every edge, by vertex.
-fn neighbours_of(vertex_count: usize, edges: &[[u32; 2]]) -> (Vec<u32>, Vec<Neighbour>) {
-    let ends = || {
-        edges.iter().enumerate().flat_map(|(edge, &[low, high])| {
-            let edge = edge as u32;
-            [(low, Neighbour { vertex: high, edge }), (high, Neighbour { vertex: low, edge })]
-        })
-    };
-    group(vertex_count, ends)
-}
-
-/// Counting sort: the items of group g are at `starts[g]..starts[g + 1]`, in their order.
-fn group<T: Copy, I: Iterator<Item = (u32, T)>>(
-    groups: usize,
-    items: impl Fn() -> I,
-) -> (Vec<u32>, Vec<T>) {
-    let mut starts = vec![0u32; groups + 1];
-    items().for_each(|(group, _)| starts[group as usize + 1] += 1);
-    for group in 0..groups {
-        starts[group + 1] += starts[group];
-    }
-    let Some((_, first)) = items().next() else { return (starts, Vec::new()) };
-    let mut sorted = vec![first; starts[groups] as usize];
-    let mut next = starts.clone();
-    for (group, item) in items() {
-        let place = &mut next[group as usize];
-        sorted[*place as usize] = item;
-        *place += 1;
-    }
-    (starts, sorted)
+    let [one, other] = half_edges else { return None };
+    Some([side(one), side(other)])
 }
 
 /// Not a number for a face without area.
@@ -233,8 +188,8 @@ fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 }
 
 /// What an edge between two faces adds if it lies inside the sphere as a whole.
-fn edge_tensor(around: &[Side], along: Vec3, normals: &[Vec3]) -> Symmetric {
-    let &[one, other] = around else { return [[0.0; 4]; 2] };
+fn edge_tensor(sides: Option<[Side; 2]>, along: Vec3, normals: &[Vec3]) -> Symmetric {
+    let Some([one, other]) = sides else { return [[0.0; 4]; 2] };
     // n1 is the face on the side of the half-edge that runs against `along`. Two faces that run
     // the same way, which a half-edge structure cannot hold, count in the order of their indices.
     let (first, second) = if one.forward && !other.forward { (other, one) } else { (one, other) };
