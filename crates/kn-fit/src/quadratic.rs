@@ -7,6 +7,7 @@
 
 use crate::affine::{Affine, ZERO, dot};
 use crate::pattern::BlockPattern;
+use kn_mesh::adjacency::Rows;
 use kn_mesh::vec3::Vec3;
 use rayon::prelude::*;
 
@@ -64,24 +65,12 @@ impl Observations {
     }
 
     /// By node: the observations that have it, and the entry in which.
-    fn by_node(&self, node_count: usize) -> (Vec<u32>, Vec<(u32, u32)>) {
-        let mut starts = vec![0u32; node_count + 1];
-        for &node in &self.nodes {
-            starts[usize::from(node) + 1] += 1;
-        }
-        for node in 0..node_count {
-            starts[node + 1] += starts[node];
-        }
-        let mut members = vec![(0, 0); self.nodes.len()];
-        let mut next = starts.clone();
-        for observation in 0..self.len() {
-            for entry in self.range(observation) {
-                let slot = &mut next[usize::from(self.nodes[entry])];
-                members[*slot as usize] = (observation as u32, entry as u32);
-                *slot += 1;
-            }
-        }
-        (starts, members)
+    fn by_node(&self, node_count: usize) -> Rows<(u32, u32)> {
+        let entries = (0..self.len()).flat_map(|observation| {
+            let member = move |entry| (observation as u32, entry as u32);
+            self.range(observation).map(move |e| (u32::from(self.nodes[e]), member(e)))
+        });
+        Rows::collect(node_count, entries)
     }
 }
 
@@ -106,7 +95,7 @@ impl QuadraticForm {
     /// depend on the number of threads. Pairs of nodes that `pattern` lacks may not occur.
     pub(crate) fn assemble(&mut self, pattern: &BlockPattern, observations: &Observations) {
         let node_count = pattern.node_count();
-        let (starts, members) = observations.by_node(node_count);
+        let by_node = observations.by_node(node_count);
         let rows = pattern.rows_mut(&mut self.blocks);
         rows.into_par_iter().zip(&mut self.linear).enumerate().with_min_len(8).for_each_init(
             || vec![0u16; node_count],
@@ -114,7 +103,7 @@ impl QuadraticForm {
                 for (slot, &column) in pattern.columns(node).iter().enumerate() {
                     slot_of[usize::from(column)] = slot as u16;
                 }
-                let members = &members[starts[node] as usize..starts[node + 1] as usize];
+                let members = by_node.row(node);
                 assemble_row(node, row, linear, observations, members, slot_of);
             },
         );

@@ -1,5 +1,7 @@
 //! The vertex nearest to a point, exactly (`nodes.label.nearest`).
 
+use kn_mesh::adjacency::Rows;
+
 /// Vertices in slabs across the longest side of their box. A search goes outwards from the point's
 /// slab and ends where a whole slab is too far: the result is that of a search through them all.
 pub(crate) struct Slabs<'a> {
@@ -8,10 +10,8 @@ pub(crate) struct Slabs<'a> {
     /// Where the first slab begins.
     low: i32,
     thickness: i64,
-    /// Per slab where its vertices begin in `vertices`, then their number.
-    starts: Vec<u32>,
-    /// `#V` by slab, by rising index within each.
-    vertices: Vec<u32>,
+    /// A row of vertices for each slab, by rising index.
+    slabs: Rows,
 }
 
 /// Slabs hold about so many vertices each, if these are spread evenly.
@@ -23,26 +23,16 @@ impl<'a> Slabs<'a> {
         let (axis, low, side) = longest_axis(positions);
         let wanted = (positions.len() / VERTICES_PER_SLAB + 1) as i64;
         let thickness = side / wanted + 1;
-        let slab = |p: &[i32; 3]| ((i64::from(p[axis]) - i64::from(low)) / thickness) as usize;
-        let mut starts = vec![0_u32; (side / thickness) as usize + 2];
-        positions.iter().for_each(|p| starts[slab(p) + 1] += 1);
-        for slab in 1..starts.len() {
-            starts[slab] += starts[slab - 1];
-        }
-        let mut next = starts.clone();
-        let mut vertices = vec![0; positions.len()];
-        for (vertex, position) in positions.iter().enumerate() {
-            let place = &mut next[slab(position)];
-            vertices[*place as usize] = vertex as u32;
-            *place += 1;
-        }
-        Self { positions, axis, low, thickness, starts, vertices }
+        let slab = |p: &[i32; 3]| ((i64::from(p[axis]) - i64::from(low)) / thickness) as u32;
+        let vertices = positions.iter().zip(0u32..).map(|(p, vertex)| (slab(p), vertex));
+        let slabs = Rows::collect((side / thickness) as usize + 1, vertices);
+        Self { positions, axis, low, thickness, slabs }
     }
 
     /// The vertex nearest to `point`, the lowest among equals; squared distances are exact.
     pub(crate) fn nearest(&self, point: [i32; 3]) -> usize {
         let offset = i64::from(point[self.axis]) - i64::from(self.low);
-        let last = self.starts.len() as i64 - 2;
+        let last = self.slabs.len() as i64 - 1;
         let home = (offset / self.thickness).clamp(0, last);
         let mut best = (i64::MAX, u32::MAX);
         for slab in home..=last {
@@ -63,7 +53,7 @@ impl<'a> Slabs<'a> {
     }
 
     fn search(&self, slab: usize, point: [i32; 3], best: &mut (i64, u32)) {
-        for &vertex in &self.vertices[self.starts[slab] as usize..self.starts[slab + 1] as usize] {
+        for &vertex in self.slabs.row(slab) {
             let position = self.positions[vertex as usize];
             let difference = |axis: usize| i64::from(position[axis]) - i64::from(point[axis]);
             let squared = (0..3).map(difference).map(|d| d * d).sum();

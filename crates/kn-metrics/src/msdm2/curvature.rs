@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::eigenvalues::mean_absolute;
-use super::flood::{Flood, SMALLEST_PART, Spheres, Step, clip_special, parts};
+use super::flood::{Flood, Graph, SMALLEST_PART, Spheres, Step, clip_special, parts};
 use super::machine::{Machine, QUAD, Quad, Task, dispatch, dot};
 use super::topology::{Symmetric, Topology};
 use crate::lanes::lanes;
@@ -199,7 +199,7 @@ impl Kernel<'_> {
         }
         let Scratch { flood, sums, tensors, places } = scratch;
         sums.fill([[0.0; 4]; 2]);
-        flood.run(machine, topology, positions, vertex as u32, spheres, |step| {
+        flood.run(machine, Graph { topology, positions }, vertex as u32, spheres, |step| {
             let step = Step { level: step.level.max(small), ..*step };
             add_edges(machine, sums, &step, topology, positions, spheres);
         });

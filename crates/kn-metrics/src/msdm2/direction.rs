@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::exp::exp_of_negative;
-use super::flood::{Flood, Reached, SMALLEST_PART, Spheres, clip_special, parts};
+use super::flood::{Flood, Graph, Reached, SMALLEST_PART, Spheres, clip_special, parts};
 use super::list::List;
 use super::machine::{LANES, Machine, QUAD, Quad, Task, columns, dispatch, dot};
 use super::matching::opposite_areas;
@@ -122,7 +122,7 @@ impl<'a> Direction<'a> {
             let mut moments = Moments::new(machine);
             sphere.add_inside(machine, records, scratch.inside(level), &mut moments);
             let edges = scratch.leaving[level].as_slice();
-            sphere.add_leaving(machine, records, (&self.distorted.topology, edges), &mut moments);
+            sphere.add_leaving(machine, records, &self.distorted.topology, edges, &mut moments);
             let [own, other] = sphere.centre.curvatures();
             sum += moments.distance(own, other);
         }
@@ -135,7 +135,8 @@ impl<'a> Direction<'a> {
         let Msdm2Surface { topology, positions, .. } = self.distorted;
         let Scratch { flood, leaving, inside, ends } = scratch;
         leaving.iter_mut().for_each(List::clear);
-        flood.run(machine, topology, positions, vertex as u32, &self.spheres, |step| {
+        let graph = Graph { topology, positions };
+        flood.run(machine, graph, vertex as u32, &self.spheres, |step| {
             for (leaving, &bits) in leaving.iter_mut().zip(&step.ahead.leaving) {
                 leaving.push_some(bits, machine.lanes_from(bits, (step.index * LANES) as u32));
             }
@@ -207,7 +208,8 @@ impl Sphere {
         &self,
         machine: M,
         records: &[Record],
-        (topology, edges): (&Topology, &[u32]),
+        topology: &Topology,
+        edges: &[u32],
         moments: &mut Moments<M>,
     ) {
         for four in edges.chunks(QUAD) {

@@ -62,6 +62,14 @@ pub(super) struct Flood {
     reached: Vec<List<Reached>>,
 }
 
+/// What a flood runs over.
+#[derive(Clone, Copy)]
+pub(super) struct Graph<'a> {
+    pub(super) topology: &'a Topology,
+    /// `#V × 3`.
+    pub(super) positions: &'a [Vec3],
+}
+
 impl Flood {
     pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
         Self {
@@ -78,8 +86,7 @@ impl Flood {
     pub(super) fn run<M: Machine>(
         &mut self,
         machine: M,
-        topology: &Topology,
-        positions: &[Vec3],
+        Graph { topology, positions }: Graph,
         centre: u32,
         spheres: &Spheres,
         mut visit: impl FnMut(&Step),
@@ -261,8 +268,9 @@ mod tests {
             let spheres = Spheres::new(radii(2.9, 16).into_iter().map(|r| 5.0 * r), &topology);
             let mut flood = Flood::new(positions.len(), 16);
             let mut blocks = 0;
+            let graph = Graph { topology: &topology, positions: &positions };
             for (centre, &origin) in positions.iter().enumerate() {
-                flood.run(machine, &topology, &positions, centre as u32, &spheres, |step| {
+                flood.run(machine, graph, centre as u32, &spheres, |step| {
                     let start = Start {
                         vertex: step.from,
                         origin,
