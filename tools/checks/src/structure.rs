@@ -11,8 +11,8 @@ const FILE_LINES: usize = 400;
 const FUNCTION_LINES: usize = 50;
 const PARAMETERS: usize = 6;
 
-/// Prints the figures of a checkout. `false` where a file or a list of parameters is too long, or a
-/// type has a twin.
+/// Prints the figures of a checkout. `false` where a function has too many parameters or a type has
+/// a twin. Lengths are printed only: a file in one piece can be right.
 pub(crate) fn print(root: &Path) -> Result<bool> {
     print_crates(root)?;
     let (mut long, mut functions) = (Vec::new(), Functions::default());
@@ -31,7 +31,7 @@ pub(crate) fn print(root: &Path) -> Result<bool> {
     print_list(&format!("functions with more than {PARAMETERS} parameters"), &functions.wide);
     print_list("types with a twin", &twins);
     println!("functions over {FUNCTION_LINES} lines: {}", functions.long);
-    Ok(long.is_empty() && functions.wide.is_empty() && twins.is_empty())
+    Ok(functions.wide.is_empty() && twins.is_empty())
 }
 
 fn print_crates(root: &Path) -> Result<()> {
@@ -68,14 +68,14 @@ fn print_list(what: &str, found: &[String]) {
 #[derive(Default)]
 struct Functions {
     file: String,
-    /// Those with too many parameters, `self` among them.
+    /// Those with too many parameters. A receiver (`self`) is no parameter.
     wide: Vec<String>,
     long: usize,
 }
 
 impl Functions {
     fn look(&mut self, signature: &syn::Signature, body: &impl Spanned) {
-        let parameters = signature.inputs.len();
+        let parameters = signature.inputs.len() - usize::from(signature.receiver().is_some());
         let start = signature.span().start().line;
         if parameters > PARAMETERS {
             self.wide.push(format!("{}:{start} {}: {parameters}", self.file, signature.ident));
