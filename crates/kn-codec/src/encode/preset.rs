@@ -1,9 +1,8 @@
-//! Presets: settings with a name, for the paper's codec, the one it is compared with, and its
-//! ablations.
+//! Presets: settings with a name, for the paper's codec and the one that it is compared with. A
+//! study that changes one setting names it in its own configuration (`docs/rd/ablation.toml`).
 
 use crate::encode::choices::{
-    AffineChoice, CombinationChoice, DistortionMeasure, LabelChoice, NodeChoice, StepChoice,
-    TranslationChoice,
+    AffineChoice, LabelChoice, NodeChoice, StepChoice, TranslationChoice,
 };
 use crate::encode::config::EncoderConfig;
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};
@@ -50,83 +49,10 @@ const PRESETS: &[Preset] = &[
         about: "bimodal for labels that can be trusted: a region without a node is an error",
         change: |config| config.motion.influence = InfluenceMode::Strict,
     },
-    Preset {
-        name: "rigid",
-        about: "bimodal without affine nodes",
-        change: |config| config.motion.affine = AffineChoice::None,
-    },
-    Preset {
-        name: "affine",
-        about: "bimodal with affine nodes everywhere",
-        change: |config| config.motion.affine = AffineChoice::All,
-    },
-    Preset {
-        name: "affine-by-cost",
-        about: "bimodal with affine nodes where their scales and shears pay, labels or not",
-        change: |config| config.motion.affine = AffineChoice::Cost,
-    },
-    Preset {
-        name: "combination-rtsh",
-        about: "bimodal with all components in every P-frame",
-        change: |config| config.motion.combination = Combination::RTSH.into(),
-    },
-    Preset {
-        name: "per-frame",
-        about: "bimodal with the components chosen in every P-frame",
-        change: |config| config.motion.combination = CombinationChoice::PerFrame,
-    },
-    Preset {
-        name: "look-ahead",
-        about: "bimodal with the components chosen by what the whole group costs; slow",
-        change: |config| config.motion.combination = CombinationChoice::LookAhead,
-    },
-    Preset {
-        name: "steps-fixed",
-        about: "bimodal with the same quantiser steps in all P-frames",
-        change: |config| config.motion.translation_step = StepChoice::Fixed(2.0),
-    },
-    Preset {
-        name: "choice-by-msdm2",
-        about: "bimodal with D measured by MSDM2 instead of its surrogate; slow",
-        change: |config| config.rate.distortion = DistortionMeasure::Msdm2,
-    },
-    Preset {
-        name: "part-start-off",
-        about: "bimodal without segment-guided correspondence",
-        change: |config| config.motion.part_start = PartStart::Off,
-    },
-    Preset {
-        name: "part-start-auto",
-        about: "bimodal with body parts aligned first only where that leaves much smaller distances",
-        change: |config| config.motion.part_start = PartStart::Auto,
-    },
-    Preset {
-        name: "translation-direct",
-        about: "bimodal without prediction of translations",
-        change: |config| config.motion.translation = TranslationChoice::Direct,
-    },
-    Preset {
-        name: "translation-paper",
-        about: "bimodal with the paper's prediction: spatial in the first P-frame of a group, \
-                spatio-temporal in the others",
-        change: |config| config.motion.translation = TranslationChoice::Paper,
-    },
-    Preset {
-        name: "weights-inverse-square",
-        about: "bimodal with the paper's weights 1/d²",
-        change: |config| config.motion.weights = Weights::INVERSE_SQUARE,
-    },
-    Preset {
-        name: "weights-gaussian",
-        about: "bimodal with weights exp(-d²/2σ²), which stand in for the isometric scheme",
-        change: |config| config.motion.weights = Weights::gaussian(GAUSSIAN_SIGMA),
-    },
 ];
 
 /// Key nodes of the paper's codec; the earlier one has twice as many.
 const NODES: usize = 150;
-/// σ in grid steps: about half the distance between two of 150 nodes on a figure of 2^11 steps.
-const GAUSSIAN_SIGMA: u32 = 64;
 
 impl Preset {
     /// All presets; the first is the default.
