@@ -1,20 +1,21 @@
 //! Body parts in words: what the segmentation doubts, what is odd about given labels.
 
-use kn_mesh::parts::PART_NAMES;
+use kn_bitstream::params::{BodyPart, Named};
 use kn_segment::{LabelWarning, SegmentWarning};
 use serde_json::{Map, Value};
 
 /// A part's name; labels beyond the parts have none.
-pub(crate) fn name(label: u8) -> &'static str {
-    PART_NAMES.get(usize::from(label)).copied().unwrap_or("no part")
+pub(crate) fn name(label: u8) -> String {
+    BodyPart::from_label(label).map_or("no part".into(), |part| part.to_string())
 }
 
 /// The confidence of every part that is there, by name, with three decimals.
 pub(crate) fn confidence_json(confidence: &[f32]) -> Value {
-    let there = PART_NAMES.iter().zip(confidence).filter(|(_, trust)| **trust > 0.0);
+    let parts = BodyPart::all();
+    let there = parts.iter().zip(confidence).filter(|(_, trust)| **trust > 0.0);
     let rounded = |trust: f32| (f64::from(trust) * 1e3).round() / 1e3;
     there
-        .map(|(name, trust)| ((*name).to_owned(), rounded(*trust).into()))
+        .map(|(part, trust)| (part.to_string(), rounded(*trust).into()))
         .collect::<Map<_, _>>()
         .into()
 }

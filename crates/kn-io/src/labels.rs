@@ -3,7 +3,7 @@
 use super::read::{Parsed, read_file};
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, Place, ReadOptions};
-use kn_mesh::parts::label_of_colour;
+use kn_bitstream::params::BodyPart;
 use std::path::Path;
 
 /// The labels that `options` ask for, checked; what is used up is taken out of `parsed`.
@@ -75,7 +75,7 @@ fn labels_of_colours(
         // Colours between 0 and 1 are often written with three decimals: 0.0005 · 255 off.
         let on_8_bits = colour.iter().all(|c| (c - c.round()).abs() < 0.13);
         let rounded = colour.map(|channel| channel.round() as u8);
-        let label = label_of_colour(rounded).filter(|_| on_8_bits);
+        let label = BodyPart::of_colour(rounded).filter(|_| on_8_bits).map(BodyPart::label);
         let unknown = || Place::Vertex(vertex).fault(MeshErrorKind::UnknownColour(rounded));
         labels.push(i64::from(label.ok_or_else(unknown)?));
     }
@@ -104,7 +104,7 @@ fn in_range(label: i64, max_label: u8) -> Result<u8, MeshErrorKind> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kn_mesh::parts::PART_COLOURS;
+    use kn_bitstream::params::Named;
 
     fn message(result: Result<Vec<u8>, Fault>) -> String {
         result.expect_err("must fail").at(Path::new("f.labels")).to_string()
@@ -125,7 +125,8 @@ mod tests {
 
     #[test]
     fn colours_must_be_the_palettes_own() {
-        let colours: Vec<[f32; 3]> = PART_COLOURS.iter().map(|c| c.map(f32::from)).collect();
+        let colours: Vec<[f32; 3]> =
+            BodyPart::all().iter().map(|part| part.colour().map(f32::from)).collect();
         let labels = labels_of_colours(&colours, 15, 14).expect("the palette");
         assert_eq!(labels, (0..15).collect::<Vec<u8>>());
         assert_eq!(

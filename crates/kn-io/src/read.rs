@@ -2,6 +2,7 @@
 
 use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, gltf, labels};
 use super::{obj, off, ply};
+use kn_bitstream::params::BodyPart;
 use kn_mesh::{Mesh, MeshFault};
 use std::fs::File;
 use std::io::Read;
@@ -14,7 +15,7 @@ pub enum LabelSource {
     #[default]
     Property,
     /// From vertex colours, which must be exactly those of
-    /// [`PART_COLOURS`](kn_mesh::parts::PART_COLOURS).
+    /// [`BodyPart::colour`].
     Colours,
     /// From another file, one integer per line and vertex.
     File(PathBuf),
@@ -39,7 +40,7 @@ impl Default for ReadOptions {
     fn default() -> Self {
         Self {
             labels: LabelSource::default(),
-            max_label: kn_mesh::parts::OTHER_LABEL,
+            max_label: BodyPart::Other.label(),
             allow_no_faces: false,
             frame_rate: 30.0,
         }

@@ -10,7 +10,6 @@ mod clean;
 mod exact;
 mod grid;
 mod mesh;
-pub mod parts;
 mod select;
 pub mod vec3;
 

@@ -41,22 +41,32 @@ use truth::Flow;
 
 /// Labels of the body parts, in the order of the bi-modal paper.
 pub mod part {
+    use kn_bitstream::params::BodyPart;
+
     /// Head and neck.
-    pub const HEAD: u8 = 0;
+    pub const HEAD: u8 = BodyPart::Head.label();
     /// Left upper arm, lower arm and hand.
-    pub const LEFT_ARM: [u8; 3] = [1, 2, 3];
+    pub const LEFT_ARM: [u8; 3] =
+        labels([BodyPart::LeftUpperArm, BodyPart::LeftLowerArm, BodyPart::LeftHand]);
     /// Right upper arm, lower arm and hand.
-    pub const RIGHT_ARM: [u8; 3] = [4, 5, 6];
+    pub const RIGHT_ARM: [u8; 3] =
+        labels([BodyPart::RightUpperArm, BodyPart::RightLowerArm, BodyPart::RightHand]);
     /// Torso; with a tunic also its skirt.
-    pub const TORSO: u8 = 7;
+    pub const TORSO: u8 = BodyPart::Torso.label();
     /// Left thigh, leg and foot.
-    pub const LEFT_LEG: [u8; 3] = [8, 9, 10];
+    pub const LEFT_LEG: [u8; 3] =
+        labels([BodyPart::LeftThigh, BodyPart::LeftLeg, BodyPart::LeftFoot]);
     /// Right thigh, leg and foot.
-    pub const RIGHT_LEG: [u8; 3] = [11, 12, 13];
+    pub const RIGHT_LEG: [u8; 3] =
+        labels([BodyPart::RightThigh, BodyPart::RightLeg, BodyPart::RightFoot]);
     /// No body part: the ball.
-    pub const OTHER: u8 = 14;
+    pub const OTHER: u8 = BodyPart::Other.label();
+    const fn labels([a, b, c]: [BodyPart; 3]) -> [u8; 3] {
+        [a.label(), b.label(), c.label()]
+    }
+
     /// Number of body parts, [`OTHER`] not counted.
-    pub const COUNT: usize = 14;
+    pub const COUNT: usize = BodyPart::COUNT - 1;
 }
 
 /// What the figure does.

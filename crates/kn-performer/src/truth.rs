@@ -7,10 +7,10 @@
 
 use super::field::{Scene, value_and_gradient};
 use super::figure::TORSO;
-use super::part;
 use super::random::fade;
 use super::skeleton::BALL;
 use glam::DVec3;
+use kn_bitstream::params::{BodyPart, Region};
 
 /// Width over which neighbouring bones share a material point, metres.
 const SHARING: f64 = 0.02;
@@ -28,14 +28,14 @@ pub(super) struct Flow<'a> {
 
 /// The group of solids that carries a body part; the torso where the figure has no such group.
 fn region(scene: &Scene, label: u8) -> usize {
-    let region = match label {
-        part::HEAD => 1,
-        1..=3 => 2,
-        4..=6 => 3,
-        8..=10 => 4,
-        11..=13 => 5,
-        part::OTHER => 6,
-        _ => TORSO,
+    let region = match BodyPart::from_label(label).map(BodyPart::region) {
+        Some(Region::Head) => 1,
+        Some(Region::LeftArm) => 2,
+        Some(Region::RightArm) => 3,
+        Some(Region::LeftLeg) => 4,
+        Some(Region::RightLeg) => 5,
+        Some(Region::Other) => 6,
+        Some(Region::Torso) | None => TORSO,
     };
     if region < scene.groups.len() { region } else { TORSO }
 }

@@ -4,7 +4,7 @@ use super::error::SegmentError;
 use super::pieces::{Piece, pieces};
 use super::surface::Surface;
 use super::{LABELS, OTHER, V3};
-use kn_bitstream::params::UpAxis;
+use kn_bitstream::params::{BodyPart, UpAxis};
 
 /// What is odd about given labels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +31,16 @@ pub enum LabelWarning {
 }
 
 /// Parts and the part of the same side that each grows from.
-const GROWS_FROM: [(u8, u8); 8] =
-    [(2, 1), (3, 2), (5, 4), (6, 5), (9, 8), (10, 9), (12, 11), (13, 12)];
+const GROWS_FROM: [(BodyPart, BodyPart); 8] = [
+    (BodyPart::LeftLowerArm, BodyPart::LeftUpperArm),
+    (BodyPart::LeftHand, BodyPart::LeftLowerArm),
+    (BodyPart::RightLowerArm, BodyPart::RightUpperArm),
+    (BodyPart::RightHand, BodyPart::RightLowerArm),
+    (BodyPart::LeftLeg, BodyPart::LeftThigh),
+    (BodyPart::LeftFoot, BodyPart::LeftLeg),
+    (BodyPart::RightLeg, BodyPart::RightThigh),
+    (BodyPart::RightFoot, BodyPart::RightLeg),
+];
 
 /// Checks `labels` (`#V`) against the mesh (`positions` `#V × 3`, `faces` `#F × 3`).
 ///
@@ -99,7 +107,7 @@ fn wrong_sides(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning
             touching[usize::from(labels[v])][usize::from(labels[u as usize])] += 1;
         }
     }
-    for (part, root) in GROWS_FROM {
+    for (part, root) in GROWS_FROM.map(|(part, from)| (part.label(), from.label())) {
         let row = &touching[usize::from(part)];
         if row[usize::from(other_side(root))] > 2 * row[usize::from(root)] {
             warnings.push(LabelWarning::WrongSide { part });
@@ -109,11 +117,7 @@ fn wrong_sides(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning
 
 /// The same part on the other side.
 fn other_side(part: u8) -> u8 {
-    match part {
-        1..=3 | 8..=10 => part + 3,
-        4..=6 | 11..=13 => part - 3,
-        _ => part,
-    }
+    BodyPart::from_label(part).map_or(part, |part| part.mirrored().label())
 }
 
 /// Whether both feet point clearly to the back, as left and right have it.

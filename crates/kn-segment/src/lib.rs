@@ -27,6 +27,8 @@ mod surface;
 mod tests;
 mod track;
 
+use kn_bitstream::params::BodyPart;
+
 pub use check::{LabelWarning, check_labels};
 pub use error::SegmentError;
 pub use track::{SegmentOptions, SegmentWarning, Segmentation, Segmenter};
@@ -34,8 +36,8 @@ pub use track::{SegmentOptions, SegmentWarning, Segmentation, Segmenter};
 type V3 = nalgebra::Vector3<f64>;
 
 /// Number of labels: the paper's 14 body parts and [`OTHER`].
-pub const LABELS: usize = 15;
+pub const LABELS: usize = BodyPart::COUNT;
 /// Label of the torso. Head and arms come before it, the legs after it.
-pub const TORSO: u8 = 7;
+pub const TORSO: u8 = BodyPart::Torso.label();
 /// Label of what is no body part.
-pub const OTHER: u8 = 14;
+pub const OTHER: u8 = BodyPart::Other.label();

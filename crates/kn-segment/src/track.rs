@@ -9,7 +9,7 @@ use super::label::Draft;
 use super::memory::Memory;
 use super::surface::{Samples, Surface};
 use super::{LABELS, OTHER, TORSO, side, start};
-use kn_bitstream::params::UpAxis;
+use kn_bitstream::params::{BodyPart, UpAxis};
 
 /// Settings of a [`Segmenter`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,11 +97,14 @@ impl Past {
         /// So many frames between searches bound their cost.
         const PATIENCE: u32 = 8;
         const DOUBTFUL: f32 = 0.3;
-        let legs = [9, 10, 12, 13].map(|part| self.confidence[part]);
+        let legs = LOWER_LEGS.map(|part| self.confidence[part.index()]);
         self.since >= PATIENCE && legs.iter().any(|&trust| trust < DOUBTFUL)
     }
 }
 
+/// The parts whose doubtful fit makes the search begin anew.
+const LOWER_LEGS: [BodyPart; 4] =
+    [BodyPart::LeftLeg, BodyPart::LeftFoot, BodyPart::RightLeg, BodyPart::RightFoot];
 /// Samples of a frame, and of the search without a past.
 const SAMPLES: usize = 1000;
 const COARSE_SAMPLES: usize = 400;

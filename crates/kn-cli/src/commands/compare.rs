@@ -7,9 +7,9 @@ use crate::output::{is_dash, print, print_json, write_file};
 use crate::outputs::Outputs;
 use crate::{Outcome, heatmap, progress, stream};
 use anyhow::{Result, ensure};
+use kn_bitstream::params::{BodyPart, NameError, Named};
 use kn_io::{check_scalar_format, write_mesh_with_scalar};
 use kn_mesh::Mesh;
-use kn_mesh::parts::PART_NAMES;
 use kn_sequence::{
     CompareOptions, CompareSequences, MeasuredPair, Sequence, SequenceOptions,
     compare_sequences_with,
@@ -86,11 +86,12 @@ enum LocalError {
 
 /// A part by its number or by its name in any case.
 fn part_of_name(text: &str) -> Result<u8, String> {
-    let number = text.parse().ok().filter(|&part: &u8| usize::from(part) < PART_NAMES.len());
-    let named = PART_NAMES.iter().position(|name| name.eq_ignore_ascii_case(text));
-    number
-        .or(named.map(|part| part as u8))
-        .ok_or_else(|| format!("the parts are 0 to 14 or {}", PART_NAMES.join(", ")))
+    let number = text.parse().ok().and_then(BodyPart::from_label);
+    let part = number.map_or_else(|| text.parse(), Ok);
+    part.map(BodyPart::label).map_err(|_: NameError| {
+        let names: Vec<String> = BodyPart::all().iter().map(BodyPart::to_string).collect();
+        format!("the parts are 0 to 14 or {}", names.join(", "))
+    })
 }
 
 /// Runs the command.

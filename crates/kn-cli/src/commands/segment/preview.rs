@@ -4,7 +4,7 @@ use crate::heatmap::PICTURE;
 use crate::picture::{Canvas, Legend, Paint, Sheet, View, render};
 use anyhow::{Context, Result};
 use kn_bitstream::params::UpAxis;
-use kn_mesh::parts::{PART_COLOURS, PART_NAMES};
+use kn_bitstream::params::{BodyPart, Named};
 use kn_mesh::{BoundingBox, Mesh};
 
 /// How many frames are shown.
@@ -45,12 +45,12 @@ impl Preview {
             });
             (format!("turned by {degrees} degrees"), pictures.collect())
         };
-        let names = PART_NAMES.iter().map(|name| (*name).to_owned());
+        let names = BodyPart::all().into_iter().map(|part| (part.colour(), part.to_string()));
         let sheet = Sheet {
             title: "body parts".into(),
             columns: self.frames.iter().map(|(name, _)| name.clone()).collect(),
             rows: SIDES.into_iter().map(row).collect(),
-            legend: Some(Legend::Names(PART_COLOURS.into_iter().zip(names).collect())),
+            legend: Some(Legend::Names(names.collect())),
         };
         Ok(sheet.draw())
     }
@@ -68,8 +68,7 @@ fn as_large_as_all(own: &BoundingBox, all: &[BoundingBox]) -> BoundingBox {
 }
 
 fn coloured(mesh: &Mesh, view: &View) -> Canvas {
-    let unknown = PART_COLOURS[PART_COLOURS.len() - 1];
-    let colour = |label: &u8| PART_COLOURS.get(usize::from(*label)).copied().unwrap_or(unknown);
+    let colour = |label: &u8| BodyPart::from_label(*label).unwrap_or(BodyPart::Other).colour();
     let colours: Vec<_> = mesh.labels.iter().map(colour).collect();
     render(mesh, Paint::PerVertex(&colours), view, PICTURE)
 }
