@@ -1,4 +1,4 @@
-//! What a player waits for: an I-frame, the first P-frame of a group (which binds influence), a
+//! What a player waits for: an I-frame, the first P-frame of a GoF (which binds influence), a
 //! P-frame, and the deformation kernel alone. On one core.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
@@ -17,7 +17,7 @@ fn performer() -> Performer {
     Performer::new(config).expect("the settings are in range")
 }
 
-/// A group of three frames.
+/// A GoF of three frames.
 fn stream() -> Vec<u8> {
     let performer = performer();
     let config = EncoderConfig::default().with_group_length(3).with_nodes(NODES);

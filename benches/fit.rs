@@ -1,5 +1,5 @@
 //! Times of the fit on the performer: preparing a target, a first frame, a following frame, all
-//! eight combinations, the node generator (which may take three first frames a group).
+//! eight combinations, the node generator (which may take three first frames a GoF).
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};

@@ -27,7 +27,7 @@ fn decode(reader: impl Read + Seek) -> Result<()> {
         show(&frame, &mesh);
     }
 
-    // Any frame can be reached through the index; only its group of frames is decoded.
+    // Any frame can be reached through the index; only its GoF is decoded.
     let last = decoder.frame_count()?.saturating_sub(1);
     decoder.seek(last)?;
     if let Some(frame) = decoder.next_frame(&mut mesh)? {

@@ -32,7 +32,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Encodes frames as they come and tells what became of each; at most one group is held.
+/// Encodes frames as they come and tells what became of each; at most one GoF is held.
 fn encode<W: Write>(frames: impl Iterator<Item = Result<Mesh>>, writer: W) -> Result<W> {
     let mut frames = frames.peekable();
     let mut config = EncoderConfig::default().with_nodes(100);

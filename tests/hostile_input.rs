@@ -187,7 +187,7 @@ fn limits_are_checked_before_anything_is_built() {
     assert!(asks(Limits { max_unit_bytes: 100, ..default }).contains("bytes in a unit"));
 }
 
-/// The stream with an index that has the groups begin at these bytes.
+/// The stream with an index that has the GoFs begin at these bytes.
 fn with_groups(bytes: &[u8], starts: &[usize], frames: u8) -> Vec<u8> {
     let units = units(bytes);
     let index = units.last().expect("a sound stream has an index");
@@ -201,7 +201,7 @@ fn with_groups(bytes: &[u8], starts: &[usize], frames: u8) -> Vec<u8> {
     lying
 }
 
-/// An index may send a decoder anywhere; only an I-frame begins a group, whatever came before.
+/// An index may send a decoder anywhere; only an I-frame begins a GoF, whatever came before.
 #[test]
 fn seeking_by_an_index_that_lies_is_an_error() {
     for Sound { name, bytes } in sound_streams() {

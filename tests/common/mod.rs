@@ -15,7 +15,7 @@ pub(crate) fn performer(count: u32, vertices: usize) -> Vec<Mesh> {
     (0..count).map(|index| performer.frame(index)).collect()
 }
 
-/// Settings for small sequences: groups of three frames, thirty nodes.
+/// Settings for small sequences: GoFs of three frames, thirty nodes.
 pub(crate) fn small_config() -> EncoderConfig {
     EncoderConfig::default().with_group_length(3).with_nodes(30)
 }

@@ -1,4 +1,4 @@
-//! The index: where the groups of frames are (chapter 3.8).
+//! The index: where the GoFs are (chapter 3.8).
 
 use crate::error::Error;
 use crate::reader::BitReader;
@@ -9,17 +9,17 @@ use crate::writer::BitWriter;
 /// Bytes at the end of a file that hold `index_size` and the CRC of the index.
 pub const TAIL_BYTES: usize = 8;
 
-/// Where the groups of frames are.
+/// Where the GoFs are.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Index {
-    /// The groups in file order.
+    /// The GoFs in file order.
     pub groups: Vec<IndexGroup>,
 }
 
-/// One group of frames.
+/// One GoF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexGroup {
-    /// Bytes from the start of this group's I-frame to that of the next or to the index.
+    /// Bytes from the start of this GoF's I-frame to that of the next or to the index.
     pub bytes: u32,
     /// Number of frames.
     pub frames: u8,
@@ -40,7 +40,7 @@ impl Index {
     ) -> Result<Self, Error> {
         let group_count = bits.uleb("group_count")?;
         bits.require(group_count > 0, rule::INDEX_COUNT_RANGE)?;
-        // A group takes at least two bytes.
+        // A GoF takes at least two bytes.
         bits.require(group_count <= size / 2, rule::UNIT_SIZE_EXACT)?;
         let mut groups = Vec::with_capacity(group_count as usize);
         for group in 0..group_count {

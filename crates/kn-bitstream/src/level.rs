@@ -12,9 +12,9 @@ pub struct Level {
     pub max_vertices: u32,
     /// Faces of a frame.
     pub max_faces: u32,
-    /// Key nodes of a group of frames.
+    /// Key nodes of a GoF.
     pub max_nodes: u32,
-    /// Frames of a group.
+    /// Frames of a GoF.
     pub max_group_frames: u32,
     /// Value of `unit_size`.
     pub max_unit_bytes: u32,

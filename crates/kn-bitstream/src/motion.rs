@@ -12,13 +12,13 @@ use crate::writer::BitWriter;
 /// What must be known to read or write a P-frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MotionContext {
-    /// Nodes of the group of frames.
+    /// Nodes of the GoF.
     pub node_count: u32,
     /// How many of them are affine.
     pub affine_count: u32,
     /// How many different labels they have.
     pub part_count: u32,
-    /// `translation_table` of the P-frame before; `None` in the first P-frame of a group.
+    /// `translation_table` of the P-frame before; `None` in the first P-frame of a GoF.
     pub previous_table: Option<u8>,
 }
 

@@ -1,4 +1,4 @@
-//! The key nodes of a group of frames (chapter 3.6).
+//! The key nodes of a GoF (chapter 3.6).
 
 use crate::error::Error;
 use crate::level::COORDINATE_LIMIT;
@@ -14,13 +14,13 @@ pub struct KeyNodesContext {
     pub label_count: u32,
     /// Weight scheme of the sequence.
     pub weight_scheme: WeightScheme,
-    /// Vertices of the group's I-frame.
+    /// Vertices of the GoF's I-frame.
     pub vertex_count: u32,
     /// Nodes that the level allows.
     pub max_nodes: u32,
 }
 
-/// The key nodes of a group of frames, in node order.
+/// The key nodes of a GoF, in node order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyNodes {
     /// Where the nodes are.

@@ -81,7 +81,7 @@ impl<'a, 't> BitReader<'a, 't> {
         Ok(self.u(name, n)? as u8)
     }
 
-    /// `uleb`: groups of seven bits, the least significant first.
+    /// `uleb`: seven bits at a time, the least significant first.
     pub fn uleb(&mut self, name: impl Into<Name>) -> Result<u32, Error> {
         let start = self.position();
         let mut value = 0_u64;

@@ -27,7 +27,7 @@ pub struct SequenceHeader {
     pub unit_of_length: UnitOfLength,
     /// Fractional bits of a reference position, 0 to 8.
     pub fraction_bits: u8,
-    /// No group of frames is longer.
+    /// No GoF is longer.
     pub max_group_length: u8,
     /// Q: nodes that influence a vertex, 1 to 8.
     pub nodes_per_vertex: u8,

@@ -14,7 +14,7 @@ pub const FILE_SIGNATURE: [u8; 8] = 0x8B4B_4E4D_0D0A_1A0A_u64.to_be_bytes();
 pub const SEQUENCE_HEADER: u8 = 1;
 /// `unit_type` of an I-frame.
 pub const INTRA_FRAME: u8 = 2;
-/// `unit_type` of the key nodes of a group of frames.
+/// `unit_type` of the key nodes of a GoF.
 pub const KEY_NODES: u8 = 3;
 /// `unit_type` of a P-frame.
 pub const MOTION_FRAME: u8 = 4;

@@ -38,7 +38,7 @@ impl BitWriter {
         self.put(u64::from(value), 1);
     }
 
-    /// `uleb`: groups of seven bits, the least significant first, as few as will do.
+    /// `uleb`: seven bits at a time, the least significant first, as few as will do.
     pub fn uleb(&mut self, mut value: u32) {
         while value >= 0x80 {
             self.put(u64::from(value & 0x7f | 0x80), 8);

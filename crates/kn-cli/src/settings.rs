@@ -20,7 +20,7 @@ pub(crate) struct Settings {
     /// Step of the grid in world units, instead of --bits
     #[arg(long, conflicts_with = "bits", value_name = "LENGTH", value_parser = choices::length)]
     step: Option<f64>,
-    /// Frames in a group: an I-frame, then P-frames [default: 8]
+    /// Frames in a GoF: an I-frame, then P-frames [default: 8]
     #[arg(long, value_name = "N")]
     gof: Option<u8>,
     /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
@@ -30,7 +30,7 @@ pub(crate) struct Settings {
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
     #[arg(value_parser = choices::length)]
     iframe_error: Option<f64>,
-    /// Key nodes in a group, or `auto`: as many as pay for their bytes [default: auto, or what the
+    /// Key nodes in a GoF, or `auto`: as many as pay for their bytes [default: auto, or what the
     /// preset has]
     #[arg(long, value_name = "N|AUTO")]
     nodes: Option<NodeChoice>,

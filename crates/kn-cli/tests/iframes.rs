@@ -135,7 +135,7 @@ fn vertex_maps_lead_to_the_rounded_vertex() {
     let (step, maps) = (0.002, scans.text("maps"));
     succeeds(scans.encode("scan/*.obj", &["--step", "0.002", "--vertex-maps", &maps]));
     succeeds(["decode", &scans.text("a.knm"), "-o", &scans.text("out"), "--format", "ply"]);
-    // One for each I-frame: frames 0 and 3 of groups of three.
+    // One for each I-frame: frames 0 and 3 of GoFs of three.
     assert_eq!(names_in(&scans.path("maps")), ["f_08.map", "f_11.map"]);
     for name in ["f_08", "f_11"] {
         let scan = mesh(&scans.path(&format!("scan/{name}.obj")));

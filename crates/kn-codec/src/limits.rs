@@ -12,7 +12,7 @@ pub struct Limits {
     pub max_vertices: u32,
     /// Faces of an I-frame.
     pub max_faces: u32,
-    /// Key nodes of a group of frames.
+    /// Key nodes of a GoF.
     pub max_nodes: u32,
     /// Bytes of one unit.
     pub max_unit_bytes: u32,

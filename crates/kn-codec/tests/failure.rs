@@ -1,4 +1,4 @@
-//! Frames that the motion does not explain begin a new group, and the report says why.
+//! Frames that the motion does not explain begin a new GoF, and the report says why.
 
 use kn_codec::{Decoder, Encoder, EncoderConfig, FrameKind, FrameReport};
 use kn_mesh::Mesh;
@@ -20,7 +20,7 @@ fn performer(ball: bool) -> Vec<Mesh> {
     (0..FRAMES).map(|index| performer.frame(index)).collect()
 }
 
-/// Encodes with all frames in one group, if they let it; checks that every frame decodes.
+/// Encodes with all frames in one GoF, if they let it; checks that every frame decodes.
 fn encode(frames: &[Mesh]) -> Vec<FrameReport> {
     let config = EncoderConfig::default().with_group_length(16).with_nodes(80);
     let mut encoder = Encoder::new(Vec::new(), config).expect("sound settings");

@@ -47,7 +47,7 @@ pub(crate) struct TextElements<'c> {
     size_at: Option<usize>,
     /// Where `index_size` goes, if it was left out.
     index_size_at: Option<usize>,
-    /// Start and number of frames of every group of frames so far.
+    /// Start and number of frames of every GoF so far.
     groups: Vec<(u64, u64)>,
 }
 

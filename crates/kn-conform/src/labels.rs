@@ -1,4 +1,4 @@
-//! The labels of a group's key nodes (6.5), as the text says it.
+//! The labels of a GoF's key nodes (6.5), as the text says it.
 
 use crate::oracle::decode_mesh;
 use crate::value::{TraceLine, Value};

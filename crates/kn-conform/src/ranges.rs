@@ -123,7 +123,7 @@ impl Known<'_> {
         (!holds).then_some(rule)
     }
 
-    /// Whether a P-frame is the first of its group; an example says so by what it gives.
+    /// Whether a P-frame is the first of its GoF; an example says so by what it gives.
     fn is_first(&self) -> bool {
         let known = |name| self.environment.get(name).is_some();
         !known("translation_table") && (known("node_count") || !known("PreviousTable"))

@@ -1,4 +1,4 @@
-//! The decoder and the literal reading of chapters 6 to 9 agree bit for bit on random groups.
+//! The decoder and the literal reading of chapters 6 to 9 agree bit for bit on random GoFs.
 
 use kn_bitstream::params::{
     Combination, FrameRate, InfluenceMode, LabelSet, Named, TranslationMode, UnitOfLength, UpAxis,
@@ -29,7 +29,7 @@ fn header() -> impl Strategy<Value = SequenceHeader> {
     // Custom regions, so that some labels share one.
     let shared = LabelSet::Custom((0..15).map(|label| label % 4).collect());
     let labels = prop::sample::select(vec![LabelSet::Body, shared, LabelSet::None]);
-    // Few groups have a node in every region.
+    // Few GoFs have a node in every region.
     let strict = prop::bool::weighted(0.2);
     let schemes = prop::sample::select(WeightScheme::all());
     let axes = prop::sample::select(UpAxis::all());

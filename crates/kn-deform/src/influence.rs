@@ -1,4 +1,4 @@
-//! Influence: which Q nodes move a vertex, and with which weights. Bound once per group of frames
+//! Influence: which Q nodes move a vertex, and with which weights. Bound once per GoF
 //! on the decoded I-frame.
 
 use crate::parallel::*;

@@ -35,8 +35,8 @@ struct Effort {
 /// With the last matches, for one combination after the other.
 const LAST: Effort = Effort { stiffness: 1.0, refactor: true, iterations: 30 };
 
-/// Fits the frames of one group of frames, one after the other; holds what stays the same through
-/// the group, the buffers, and the previous frame's motion.
+/// Fits the frames of one GoF, one after the other; holds what stays the same through
+/// the GoF, the buffers, and the previous frame's motion.
 #[derive(Debug)]
 pub struct Fitter {
     group: Group,
@@ -59,7 +59,7 @@ struct Frame<'a> {
 }
 
 impl Fitter {
-    /// Prepares a group of frames from its I-frame.
+    /// Prepares a GoF from its I-frame.
     ///
     /// # Errors
     /// Arrays that do not fit together, see [`FitError`].
@@ -76,7 +76,7 @@ impl Fitter {
         })
     }
 
-    /// The transforms that carry `source` onto `target`. `source` is the group's mesh with the
+    /// The transforms that carry `source` onto `target`. `source` is the GoF's mesh with the
     /// positions and nodes of the reference frame; faces, influence and affine nodes must be those
     /// that the fitter was made for. The next frame starts from this one's motion.
     ///

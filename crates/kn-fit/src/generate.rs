@@ -73,7 +73,7 @@ pub struct GenerateOptions<'a> {
 }
 
 /// Chooses nodes (`#N` vertex indices, rising) such that their motion explains `key`, a frame of
-/// the group with much motion. `None` where even the dense set cannot track it.
+/// the GoF with much motion. `None` where even the dense set cannot track it.
 ///
 /// # Errors
 /// As [`place_farthest`] and [`Fitter::new`]; what `bind` returns.

@@ -1,4 +1,4 @@
-//! What stays the same through a group of frames.
+//! What stays the same through a GoF.
 
 use crate::cholesky::Elimination;
 use crate::constants::sampling::SAMPLES;
@@ -14,7 +14,7 @@ use crate::surface::vertex_areas;
 use kn_mesh::adjacency::EdgeTable;
 use kn_mesh::vec3::{Vec3, add, distance, scale, sub};
 
-/// The structure of the fits of one group of frames.
+/// The structure of the fits of one GoF.
 #[derive(Debug)]
 pub(crate) struct Group {
     pub(crate) pattern: BlockPattern,

@@ -7,14 +7,14 @@ use kn_deform::Influence;
 pub const MAX_NODES: usize = 4096;
 
 /// A reference mesh with its key nodes. Faces, influence and `affine` stay the same through a
-/// group of frames; positions and nodes move.
+/// GoF; positions and nodes move.
 #[derive(Clone, Copy, Debug)]
 pub struct FitSource<'a> {
     /// `#V × 3`, any unit (the codec: grid steps).
     pub positions: &'a [[f64; 3]],
     /// `#F × 3` indices into `positions`.
     pub faces: &'a [[u32; 3]],
-    /// Ranks and weights, `#V × Q`, as bound on the group's I-frame.
+    /// Ranks and weights, `#V × Q`, as bound on the GoF's I-frame.
     pub influence: &'a Influence,
     /// `#N × 3` node positions in this frame.
     pub nodes: &'a [[f64; 3]],

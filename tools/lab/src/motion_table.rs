@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p kn-lab -- motion-table [FOLDER FIRST COUNT]`
 //!
-//! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one group: an
+//! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one GoF: an
 //! I-frame at 11 bits and P-frames that are chained. Body parts come from the segmenter. Distances
 //! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
 //! 11 of the sequence dancer (`docs/data.md`), and where that is absent a few of the performer.

@@ -39,7 +39,7 @@ struct StreamInfo {
     origin: [f64; 3],
     unit: String,
     up: String,
-    /// Most frames in a group.
+    /// Most frames in a GoF.
     group_length: u8,
     nodes_per_vertex: u8,
     weights: String,

@@ -95,7 +95,7 @@ impl Scans {
         self.path(name).to_string_lossy().into_owned()
     }
 
-    /// Arguments that encode `input` into `a.knm` with few nodes and short groups.
+    /// Arguments that encode `input` into `a.knm` with few nodes and short GoFs.
     pub(crate) fn encode(&self, input: &str, more: &[&str]) -> Vec<String> {
         let mut arguments =
             vec!["encode".into(), self.text(input), "-o".into(), self.text("a.knm")];

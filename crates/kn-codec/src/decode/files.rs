@@ -20,7 +20,7 @@ pub struct Decoder<R> {
     stream: StreamDecoder,
     chunk: Vec<u8>,
     index: Option<Index>,
-    /// File offset of the first group; known with the index.
+    /// File offset of the first GoF; known with the index.
     groups_start: u64,
 }
 
@@ -80,7 +80,7 @@ impl<R: Read> Decoder<R> {
 }
 
 impl<R: Read + Seek> Decoder<R> {
-    /// The index at the end of the file: the groups of frames in order.
+    /// The index at the end of the file: the GoFs in order.
     ///
     /// # Errors
     /// A file without a sound index, a reader that fails.
@@ -105,7 +105,7 @@ impl<R: Read + Seek> Decoder<R> {
         Ok(self.index()?.groups.iter().map(|group| u64::from(group.frames)).sum())
     }
 
-    /// Makes `frame` (from 0) the next frame. Decodes the frames of its group before it.
+    /// Makes `frame` (from 0) the next frame. Decodes the frames of its GoF before it.
     ///
     /// # Errors
     /// No such frame; no sound index; whatever decoding those frames meets.
@@ -133,7 +133,7 @@ impl<R: Read + Seek> Decoder<R> {
     }
 }
 
-/// Reads the index unit; also gives the offset of the first group. Its size is checked before any
+/// Reads the index unit; also gives the offset of the first GoF. Its size is checked before any
 /// memory is taken for it.
 fn read_index<R: Read + Seek>(
     reader: &mut R,

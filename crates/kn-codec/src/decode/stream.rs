@@ -33,7 +33,7 @@ pub enum Progress {
 enum Stage {
     Signature,
     Header,
-    /// At the first group, or where a seek has gone.
+    /// At the first GoF, or where a seek has gone.
     BeforeGroup,
     AfterIntra,
     AfterNodes,
@@ -81,7 +81,7 @@ pub struct StreamDecoder {
     shown: Option<FrameNumbers>,
     /// Bytes of units that belong to the next frame.
     frame_bytes: u64,
-    /// Groups so far, to compare with the index.
+    /// GoFs so far, to compare with the index.
     groups: Vec<IndexGroup>,
     group_start: u64,
 }
@@ -202,7 +202,7 @@ impl StreamDecoder {
         Some(names.of_frame(u32::try_from(shown.display).ok()?))
     }
 
-    /// Frames per group at most; 0 before the header.
+    /// Frames per GoF at most; 0 before the header.
     fn max_group_length(&self) -> u8 {
         self.header.as_ref().map_or(0, |header| header.max_group_length)
     }
@@ -217,8 +217,8 @@ impl StreamDecoder {
         self.offset + (self.buffer.len() - self.start) as u64
     }
 
-    /// Goes to the first byte of a group of frames; `before` are the groups that precede it. Only an
-    /// I-frame may come there, wherever the index has sent us: nothing of another group is used.
+    /// Goes to the first byte of a GoF; `before` are the GoFs that precede it. Only an
+    /// I-frame may come there, wherever the index has sent us: nothing of another GoF is used.
     pub(crate) fn restart(&mut self, offset: u64, before: &[IndexGroup]) {
         self.buffer.clear();
         self.start = 0;
@@ -361,7 +361,7 @@ impl StreamDecoder {
 pub(crate) enum ParsedIndex {
     /// The unit has so many more bytes.
     NeedBytes(usize),
-    /// The groups of frames.
+    /// The GoFs.
     Index(Index),
 }
 

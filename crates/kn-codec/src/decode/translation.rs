@@ -6,13 +6,13 @@ use kn_bitstream::params::TranslationMode;
 use kn_bitstream::rule::{self, Rule};
 use kn_bitstream::{MotionFrame, translation_step};
 
-/// The translations of the last P-frame of a group, and what the next is predicted with.
+/// The translations of the last P-frame of a GoF, and what the next is predicted with.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Translations {
     /// `#N × 3`, in reference units, each below 2^20 grid steps in magnitude; undefined before the
     /// first P-frame.
     decoded: Vec<[i64; 3]>,
-    /// How the last P-frame was coded; `None` before the first of the group.
+    /// How the last P-frame was coded; `None` before the first of the GoF.
     dictionary: Option<Dictionary>,
     /// `#N`, place of the node's label among the labels that nodes have.
     parts: Vec<u8>,
@@ -28,7 +28,7 @@ pub(crate) struct Dictionary {
 }
 
 impl Translations {
-    /// Begins a group with nodes of these labels and this path over them.
+    /// Begins a GoF with nodes of these labels and this path over them.
     pub(crate) fn begin(&mut self, labels: &[u8], path: Vec<Visit>) {
         let mut place = [None; 256];
         labels.iter().for_each(|&label| place[usize::from(label)] = Some(0));
@@ -50,7 +50,7 @@ impl Translations {
         self.part_count
     }
 
-    /// How the last P-frame of the group was coded.
+    /// How the last P-frame of the GoF was coded.
     pub(crate) fn dictionary(&self) -> Option<Dictionary> {
         self.dictionary
     }
@@ -69,7 +69,7 @@ impl Translations {
     /// Decodes a P-frame's translations, each below `limit` in magnitude.
     ///
     /// # Errors
-    /// The rule that is broken; the state is then undefined until the next group.
+    /// The rule that is broken; the state is then undefined until the next GoF.
     pub(crate) fn decode(&mut self, motion: &MotionFrame, limit: i64) -> Result<(), Rule> {
         let step = translation_step(motion.translation_step);
         // Values are below 2^20 and steps below 2^16, so that nothing here overflows.

@@ -80,7 +80,7 @@ pub enum AffineChoice {
     Labels(Vec<BodyPart>),
     /// Nodes whose scales and shears pay for their bytes, with labels or without.
     ///
-    /// They lower J in the key frame of their group.
+    /// They lower J in the key frame of their GoF.
     Cost,
     /// All nodes are affine.
     All,
@@ -118,7 +118,7 @@ impl FromStr for AffineChoice {
 pub enum CombinationChoice {
     /// This one in every P-frame.
     Fixed(Combination),
-    /// By the first P-frame of each group, for the whole group: the paper's choice.
+    /// By the first P-frame of each GoF, for the whole GoF: the paper's choice.
     ///
     /// It is chosen among the combinations with rotation: one frame does not show what the others
     /// lose in a chain of frames (`docs/notes/choice.md`).
@@ -127,9 +127,9 @@ pub enum CombinationChoice {
     ///
     /// It is chosen among the combinations with rotation.
     PerFrame,
-    /// By what the whole group costs with each combination; slow.
+    /// By what the whole GoF costs with each combination; slow.
     ///
-    /// Each combination codes the group once, which takes eight times as long.
+    /// Each combination codes the GoF once, which takes eight times as long.
     LookAhead,
 }
 
@@ -225,12 +225,12 @@ impl fmt::Display for StepChoice {
     }
 }
 
-/// How many key nodes a group of frames has. Text forms are `auto` and a number.
+/// How many key nodes a GoF has. Text forms are `auto` and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeChoice {
     /// So many, 1 to 4096.
     Fixed(usize),
-    /// In every group as many as lower J = D + λR of its key frame by their bytes, at least one for
+    /// In every GoF as many as lower J = D + λR of its key frame by their bytes, at least one for
     /// every region of influence and at most one for 60 vertices of the I-frame; 150, or `most` if that
     /// is less, where they are spread evenly or no frame can be tracked.
     Cost {
@@ -240,7 +240,7 @@ pub enum NodeChoice {
 }
 
 impl NodeChoice {
-    /// The largest number that a group can have.
+    /// The largest number that a GoF can have.
     pub fn most(self) -> usize {
         match self {
             Self::Fixed(count) | Self::Cost { most: count } => count,
@@ -303,7 +303,7 @@ pub enum NodePlacement {
     /// Where the motion needs them, by distance to the scans.
     ///
     /// This is the key-node generator of the bi-modal paper, run on the motion to a later frame of
-    /// the group, with new nodes where the distance is largest.
+    /// the GoF, with new nodes where the distance is largest.
     #[default]
     Generated,
     /// Where the motion needs them, by MSDM2, as in the paper; slower.
@@ -359,7 +359,7 @@ impl fmt::Display for SmoothingChoice {
 pub enum TranslationChoice {
     /// Nothing.
     Direct,
-    /// The paper's choice: spatial in the first P-frame of a group, spatio-temporal in the others.
+    /// The paper's choice: spatial in the first P-frame of a GoF, spatio-temporal in the others.
     Paper,
     /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
     Cost,

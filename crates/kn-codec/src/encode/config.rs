@@ -26,7 +26,7 @@ pub enum GridChoice {
         bounds: Option<BoundingBox>,
     },
     /// A grid that all coordinates lie on already (see [`kn_mesh::ExactGrid`]): they come back to
-    /// the last bit, and a frame that is not on it is an error. Only I-frames are exact, so groups
+    /// the last bit, and a frame that is not on it is an error. Only I-frames are exact, so GoFs
     /// have one frame and nothing is decimated.
     Lossless(Grid),
 }
@@ -61,7 +61,7 @@ pub(crate) fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
 /// Settings of an [`crate::Encoder`], by what they concern. The default is the preset `default`:
 /// bi-modal, with as many key nodes as pay for their bytes.
 ///
-/// Settings are changed by the chainable `with_…` methods or through the fields of the groups. They
+/// Settings are changed by the chainable `with_…` methods or through the fields of its four parts. They
 /// are checked by [`Self::validate`], which [`crate::Encoder::new`] calls.
 ///
 /// ```
@@ -98,7 +98,7 @@ pub struct SequenceConfig {
     pub up_axis: UpAxis,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
-    /// Most frames in a group of frames, 1 to 255.
+    /// Most frames in a GoF, 1 to 255.
     pub group_length: u8,
     /// Whether frames carry digests (8 bytes each).
     pub digests: bool,
@@ -124,7 +124,7 @@ pub struct IntraConfig {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionConfig {
-    /// Key nodes in a group of frames.
+    /// Key nodes in a GoF.
     pub nodes: NodeChoice,
     /// Where the nodes are put.
     pub placement: NodePlacement,
@@ -219,15 +219,15 @@ impl Default for RateConfig {
 /// See `docs/notes/choice.md`.
 const LAMBDA: f64 = 3e-5;
 
-/// The chainable setter of each field: `name: argument => group.field`.
+/// The chainable setter of each field: `name: argument => part.field`.
 macro_rules! setters {
-    ($($name:ident: $argument:ty => $group:ident.$field:ident of $config:ident,)*) => {
+    ($($name:ident: $argument:ty => $part:ident.$field:ident of $config:ident,)*) => {
         impl EncoderConfig {
             $(
                 #[doc = concat!("Sets [`", stringify!($config), "::", stringify!($field), "`].")]
                 #[must_use]
                 pub fn $name(mut self, $field: $argument) -> Self {
-                    self.$group.$field = $field.into();
+                    self.$part.$field = $field.into();
                     self
                 }
             )*

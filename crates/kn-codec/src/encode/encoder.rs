@@ -13,7 +13,7 @@ use kn_mesh::Mesh;
 use kn_segment::Segmentation;
 use std::io::Write;
 
-/// Encodes a sequence frame by frame; holds at most one group of frames.
+/// Encodes a sequence frame by frame; holds at most one GoF.
 ///
 /// The same frames and settings give the same file, whatever the number of threads.
 pub struct Encoder<W: Write> {
@@ -23,7 +23,7 @@ pub struct Encoder<W: Write> {
     labeller: Option<Labeller>,
     /// Whether the frames came with labels, from the first on.
     labelled: Option<bool>,
-    /// Frames of the group that is being collected.
+    /// Frames of the GoF that is being collected.
     pending: Vec<Mesh>,
     /// What the segmentation found in each of them.
     parts: Vec<Option<Segmentation>>,
@@ -35,7 +35,7 @@ pub struct Encoder<W: Write> {
 }
 
 impl<W: Write> Encoder<W> {
-    /// An encoder that writes to `writer`; nothing is written before the first group is full.
+    /// An encoder that writes to `writer`; nothing is written before the first GoF is full.
     ///
     /// # Errors
     /// A setting that is out of its range, or settings that contradict each other; see
@@ -58,7 +58,7 @@ impl<W: Write> Encoder<W> {
         })
     }
 
-    /// Adds a frame, a cleaned scan; a full group is encoded and written.
+    /// Adds a frame, a cleaned scan; a full GoF is encoded and written.
     ///
     /// # Errors
     /// A mesh that is broken or cannot be coded, named by its index; a writer that fails.
@@ -110,7 +110,7 @@ impl<W: Write> Encoder<W> {
         Ok(Finished { writer: self.writer, summary: self.summary, reports: self.reports })
     }
 
-    /// Encodes and writes a group that begins with the first pending frame. It ends before a frame
+    /// Encodes and writes a GoF that begins with the first pending frame. It ends before a frame
     /// that its motion does not explain, which then stays pending with those after it.
     fn encode_group(&mut self) -> Result<(), EncodeError> {
         let Some(first) = self.pending.first() else { return Ok(()) };

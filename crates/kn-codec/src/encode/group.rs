@@ -1,4 +1,4 @@
-//! One group of frames in a closed loop: what is coded is decoded again by the decoder's own
+//! One GoF in a closed loop: what is coded is decoded again by the decoder's own
 //! reconstruction, and that is what later frames refer to.
 
 use crate::decode::{Reconstruction, Slot};
@@ -28,7 +28,7 @@ use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
 use kn_metrics::TriangleTree;
 
-/// Encodes groups of frames of one sequence, one after the other.
+/// Encodes GoFs of one sequence, one after the other.
 pub(crate) struct GroupEncoder {
     config: EncoderConfig,
     tuning: Tuning,
@@ -38,7 +38,7 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     payload: Vec<u8>,
     motion: MotionEncoder,
-    /// Why the last group ended early.
+    /// Why the last GoF ended early.
     reason: Option<FitFailure>,
 }
 
@@ -94,7 +94,7 @@ impl GroupEncoder {
         Ok(coded)
     }
 
-    /// The group's P-frames, in the way that costs least.
+    /// The GoF's P-frames, in the way that costs least.
     fn encode_predicted(&mut self, scans: &Scans) -> Result<Pass, EncodeError> {
         let looks_ahead = self.config.motion.combination == CombinationChoice::LookAhead;
         if !looks_ahead || self.reconstruction.nodes().affine_count() == 0 {
@@ -106,13 +106,13 @@ impl GroupEncoder {
             self.reconstruction.clone_from(&start);
             passes.push(self.encode_pass(scans, Some(combination))?);
         }
-        // A group that goes on for longer has fewer I-frames.
+        // A GoF that goes on for longer has fewer I-frames.
         let longest = passes.iter().map(|pass| pass.reports.len()).max();
         passes.retain(|pass| Some(pass.reports.len()) == longest);
         Ok(cheapest(passes, Pass::cost).unwrap_or_default())
     }
 
-    /// The group's P-frames, one after the other, all with `combination` where there is one.
+    /// The GoF's P-frames, one after the other, all with `combination` where there is one.
     fn encode_pass(
         &mut self,
         scans: &Scans,
@@ -247,7 +247,7 @@ impl GroupEncoder {
             .map_err(|error| error.to_string())
     }
 
-    /// Chooses, codes and places the group's key nodes; returns the bytes of their unit.
+    /// Chooses, codes and places the GoF's key nodes; returns the bytes of their unit.
     fn encode_key_nodes(
         &mut self,
         scans: &mut Scans,
@@ -372,7 +372,7 @@ fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
     (out.len() - before) as u64
 }
 
-/// Strict mode refuses a group whose nodes leave out the region of this label.
+/// Strict mode refuses a GoF whose nodes leave out the region of this label.
 fn without_nodes(label: Option<&u8>) -> String {
     let part = label.and_then(|&label| BodyPart::from_label(label));
     let part = part.map_or("a part".into(), |part| part.to_string());

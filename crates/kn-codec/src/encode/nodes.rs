@@ -1,4 +1,4 @@
-//! The key nodes of a group of frames.
+//! The key nodes of a GoF.
 
 use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePlacement};
 use crate::encode::config::EncoderConfig;

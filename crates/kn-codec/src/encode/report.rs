@@ -25,7 +25,7 @@ pub struct CodedFrame {
     pub index: u64,
     /// Place in the stream, from 0: decode order. Equal to `index` today.
     pub decode_index: u64,
-    /// Bytes of the frame's units; a group's key nodes count with its first P-frame.
+    /// Bytes of the frame's units; a GoF's key nodes count with its first P-frame.
     pub bytes: u64,
     /// Vertices of the decoded frame.
     pub vertices: u32,
@@ -49,7 +49,7 @@ pub struct IntraReport {
     /// `#V` decoded vertex of each vertex of the input frame, or [`crate::DROPPED`], where
     /// [`crate::IntraConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
-    /// Why it begins its group early: what the motion could not explain. `None` where the group
+    /// Why it begins its GoF early: what the motion could not explain. `None` where the GoF
     /// before was full, and at the first frame.
     pub reason: Option<FitFailure>,
 }
@@ -60,9 +60,9 @@ pub struct IntraReport {
 pub struct PredictedReport {
     /// What every coded frame has.
     pub frame: CodedFrame,
-    /// Of its bytes, those of the key nodes; 0 but in the first P-frame of a group.
+    /// Of its bytes, those of the key nodes; 0 but in the first P-frame of a GoF.
     pub node_bytes: u64,
-    /// Key nodes of the group.
+    /// Key nodes of the GoF.
     pub nodes: u32,
     /// Of these, affine ones.
     pub affine_nodes: u32,

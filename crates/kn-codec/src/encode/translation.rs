@@ -8,7 +8,7 @@ use kn_bitstream::{EntropyMode, MotionFrame, ValueList, translation_step};
 use kn_deform::NodeTransform;
 
 /// Codes the translations of `transforms` (`#N`, in reference units) into `motion`: mode, step,
-/// values, changes and table. `before` is the state of the group, `limit` what no decoded translation
+/// values, changes and table. `before` is the state of the GoF, `limit` what no decoded translation
 /// may reach.
 pub(crate) fn code_translations(
     transforms: &[NodeTransform],

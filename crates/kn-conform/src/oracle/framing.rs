@@ -18,7 +18,7 @@ enum Stage {
     End,
 }
 
-/// Keeps the order of units and the bytes and frames of the groups.
+/// Keeps the order of units and the bytes and frames of the GoFs.
 #[derive(Default)]
 pub(super) struct Framing {
     stage: Stage,

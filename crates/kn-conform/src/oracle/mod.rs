@@ -85,7 +85,7 @@ struct Oracle<'s> {
     influence: Vec<Slots>,
     /// Every node with its predecessor (7.5).
     path: Vec<(usize, Option<usize>)>,
-    /// Of the P-frame before in the group: translations of the nodes, and PreviousStep.
+    /// Of the P-frame before in the GoF: translations of the nodes, and PreviousStep.
     previous: (Vec<[i64; 3]>, i64),
     /// #V × 3, in reference units.
     reference: Vec<[i64; 3]>,

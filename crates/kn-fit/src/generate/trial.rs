@@ -14,7 +14,7 @@ use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2Error, Msdm2Surface, TriangleTree, msdm2_one_way,
 };
 
-/// What all trials of a group share.
+/// What all trials of a GoF share.
 pub(super) struct Setting<'a> {
     source: &'a NodeSource<'a>,
     key: &'a FitTarget,

@@ -85,7 +85,7 @@ fn written(name: &str, danger: &str, covers: &'static [&'static str], text: &str
     Draft { name: name.into(), text: text.into(), danger: danger.into(), rule: None, covers }
 }
 
-/// A stream of groups of one frame each, with labels where the meshes have them.
+/// A stream of GoFs of one frame each, with labels where the meshes have them.
 pub(crate) fn groups(
     name: &str,
     danger: &str,

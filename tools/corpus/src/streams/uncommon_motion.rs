@@ -84,7 +84,7 @@ impl Scene {
         Ok(format!("{}{}{INDEX}", self.header.clone().build(), self.group()?))
     }
 
-    /// The units of a group of frames.
+    /// The units of a GoF.
     pub(crate) fn group(&self) -> Result<String> {
         let intra = intra_unit(&payload_of(&self.mesh)?);
         let motions: String = self.motions.iter().map(|motion| self.motion(motion)).collect();

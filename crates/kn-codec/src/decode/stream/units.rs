@@ -75,7 +75,7 @@ impl StreamDecoder {
         Ok(self.finish_frame(FrameKind::Intra))
     }
 
-    /// A new group begins at the current unit.
+    /// A new GoF begins at the current unit.
     fn begin_group(&mut self) -> Result<(), DecodeError> {
         self.close_group()?;
         self.group_start = self.offset;
@@ -83,7 +83,7 @@ impl StreamDecoder {
         Ok(())
     }
 
-    /// The last group ends before the current unit. No index can match one of 4 GiB or more.
+    /// The last GoF ends before the current unit. No index can match one of 4 GiB or more.
     fn close_group(&mut self) -> Result<(), DecodeError> {
         let bytes = u32::try_from(self.offset - self.group_start);
         let bytes = bytes.map_err(|_| self.malformed(rule::INDEX_GROUPS_MATCH, 8 * self.offset))?;
