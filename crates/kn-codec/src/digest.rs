@@ -1,23 +1,23 @@
-//! Digests of decoded frames: short ones inside the stream, long ones for conformance.
+//! Digests of decoded frames: short ones for streams, long ones for conformance.
 
 use sha2::{Digest, Sha256};
 
-/// The stream's digest of positions on the grid (`#V × 3`; `frame.digest.positions`).
+/// Short digest of positions in reference units (`#V × 3`; `frame.digest.positions`).
 pub fn positions_digest(positions: &[[i32; 3]]) -> u64 {
     let mut hash = counted(positions.len());
     update_positions(&mut hash, positions);
     truncate(hash)
 }
 
-/// The stream's digest of faces (`#F × 3`; `intra.digest.faces`).
+/// Short digest of faces (`#F × 3`; `intra.digest.faces`).
 pub fn faces_digest(faces: &[[u32; 3]]) -> u64 {
     let mut hash = counted(faces.len());
     update_faces(&mut hash, faces);
     truncate(hash)
 }
 
-/// SHA-256 of a whole frame, lower-case hexadecimal: #V, #F as 32-bit little-endian, positions,
-/// faces (`conformance.frame.sha256`).
+/// SHA-256 of a whole frame in lower-case hexadecimal digits: #V, #F, positions and faces as 32-bit
+/// little-endian integers (`conformance.frame.sha256`).
 pub fn frame_sha256(positions: &[[i32; 3]], faces: &[[u32; 3]]) -> String {
     let mut hash = counted(positions.len());
     hash.update((faces.len() as u32).to_le_bytes());
@@ -26,7 +26,7 @@ pub fn frame_sha256(positions: &[[i32; 3]], faces: &[[u32; 3]]) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A hash that begins with a number of elements.
+/// Begins a hash with a number of elements.
 fn counted(elements: usize) -> Sha256 {
     Sha256::new().chain_update((elements as u32).to_le_bytes())
 }

@@ -1,14 +1,14 @@
-//! Errors by who can act on them, with a place and a rule.
+//! Errors of the decoder and the encoder, each with its place and, for streams, its rule.
 
 use kn_bitstream::rule::{FILE_ORDER, FILE_SIGNATURE_VALUE, Rule, UNIT_CRC_MATCH};
 use std::fmt;
 
-/// Why a stream cannot be decoded. One word wide.
+/// The reason why a stream cannot be decoded. The type is one pointer wide.
 #[derive(Debug)]
 pub struct DecodeError(Box<DecodeErrorKind>);
 
-/// What went wrong, by who can act: the caller's reader, the stream's author, this version, the
-/// caller's limits.
+/// The kinds of errors. They differ in who can act: the owner of the reader, the author of the
+/// stream, the author of a later version, or the caller who sets the limits.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum DecodeErrorKind {
@@ -30,7 +30,7 @@ pub enum DecodeErrorKind {
         /// Number of whole frames before the end.
         frames: u64,
     },
-    /// The stream uses what this version does not know.
+    /// The stream uses a value that this version reserves.
     Unsupported {
         /// The rule that reserves the value.
         rule: Rule,
@@ -41,11 +41,11 @@ pub enum DecodeErrorKind {
     },
     /// The stream asks for more than the caller's [`crate::Limits`] allow.
     Limit {
-        /// What there is too much of.
+        /// The quantity that is limited.
         what: &'static str,
-        /// How much the stream asks for.
+        /// The amount that the stream asks for.
         asked: u64,
-        /// How much is allowed.
+        /// The amount that is allowed.
         allowed: u64,
         /// Bit in the file.
         at: u64,
@@ -71,7 +71,7 @@ pub enum DecodeErrorKind {
 }
 
 impl DecodeError {
-    /// What went wrong.
+    /// The kind of the error.
     pub fn kind(&self) -> &DecodeErrorKind {
         &self.0
     }
@@ -145,7 +145,7 @@ impl fmt::Display for DecodeError {
     }
 }
 
-/// Where an error shows, as the beginning of its message.
+/// The place of an error, as the beginning of its message.
 struct Place {
     frame: Option<u64>,
     at: u64,
@@ -169,7 +169,7 @@ impl std::error::Error for DecodeError {
     }
 }
 
-/// Why a sequence cannot be encoded.
+/// The reason why a sequence cannot be encoded.
 #[cfg(feature = "encode")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -182,7 +182,7 @@ pub enum EncodeError {
     Input {
         /// Index of the frame, in the order of pushing.
         frame: u64,
-        /// What is wrong with it.
+        /// The reason, as a sentence.
         reason: String,
     },
     /// The sequence was finished before a frame was pushed.

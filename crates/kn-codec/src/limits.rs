@@ -1,20 +1,20 @@
-//! What a decoder is willing to spend on a stream.
+//! Limits of what a decoder spends on a stream.
 
-/// Bounds that are checked before anything is allocated.
+/// Limits of a decoder. They are checked before memory is allocated.
 ///
-/// A stream can make a decoder hold at most about `max_unit_bytes` of input and, at once,
-/// (180 + 10·Q) bytes for each of `max_vertices` and 1.6 kB for each of `max_faces`, nearly all of the
+/// A stream can make a decoder hold at most about `max_unit_bytes` of input and, at once, (180 +
+/// 10·Q) bytes for each of `max_vertices` and 1.6 kB for each of `max_faces`, nearly all of the
 /// latter while an I-frame decodes. That is for faces that touch no other; scans, whose faces share
 /// their corners, take a sixth of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Vertices of an I-frame.
+    /// Largest number of vertices of an I-frame.
     pub max_vertices: u32,
-    /// Faces of an I-frame.
+    /// Largest number of faces of an I-frame.
     pub max_faces: u32,
-    /// Key nodes of a GoF.
+    /// Largest number of key nodes of a GoF.
     pub max_nodes: u32,
-    /// Bytes of one unit.
+    /// Largest number of bytes of a unit.
     pub max_unit_bytes: u32,
 }
 

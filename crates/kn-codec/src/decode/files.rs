@@ -1,4 +1,4 @@
-//! The decoder over a reader, with seeking.
+//! A decoder that reads a file, and seeks in it.
 
 use crate::decode::frame_info::FrameInfo;
 use crate::decode::stream::{ParsedIndex, Progress, StreamDecoder};
@@ -8,10 +8,10 @@ use kn_bitstream::{Index, TAIL_BYTES, index_size, rule};
 use kn_mesh::Mesh;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
-/// Bytes that are read at a time.
+/// Number of bytes that one read asks for.
 const CHUNK: usize = 1 << 16;
 
-/// Decodes a file frame by frame into a buffer that is reused.
+/// Decodes a stream from a reader, frame by frame, into a mesh whose buffers are reused.
 ///
 /// Safe on untrusted input, see [`StreamDecoder`].
 #[derive(Debug)]
@@ -20,12 +20,12 @@ pub struct Decoder<R> {
     stream: StreamDecoder,
     chunk: Vec<u8>,
     index: Option<Index>,
-    /// File offset of the first GoF; known with the index.
+    /// Offset of the first GoF in the file; set when the index is read.
     groups_start: u64,
 }
 
 impl<R: Read> Decoder<R> {
-    /// Reads the sequence header, under the default [`Limits`].
+    /// Makes a decoder with the default [`Limits`], and reads the sequence header.
     ///
     /// # Errors
     /// See [`DecodeErrorKind`].
@@ -33,7 +33,7 @@ impl<R: Read> Decoder<R> {
         Self::with_limits(reader, Limits::default())
     }
 
-    /// Reads the sequence header, under the caller's limits.
+    /// Makes a decoder with the caller's limits, and reads the sequence header.
     ///
     /// # Errors
     /// See [`DecodeErrorKind`].
@@ -46,10 +46,10 @@ impl<R: Read> Decoder<R> {
         Ok(Self { reader, stream, chunk, index: None, groups_start: 0 })
     }
 
-    /// Decodes the next frame into `mesh`; `None` after the last.
+    /// Decodes the next frame into `mesh`. Returns `None` after the last frame.
     ///
     /// # Errors
-    /// See [`DecodeErrorKind`]. After an error only [`Self::seek`] goes on.
+    /// See [`DecodeErrorKind`]. After an error the decoder goes on only after [`Self::seek`].
     pub fn next_frame(&mut self, mesh: &mut Mesh) -> Result<Option<FrameInfo>, DecodeError> {
         loop {
             match self.stream.poll(mesh)? {
@@ -68,12 +68,13 @@ impl<R: Read> Decoder<R> {
         }
     }
 
-    /// Whether every frame is compared with the digest that it carries; off at first.
+    /// Sets whether every frame is compared with the digest that it carries. The default is no.
     pub fn check_digests(&mut self, check: bool) {
         self.stream.check_digests(check);
     }
 
-    /// The decoder without I/O: header, grid, the last frame's integers and name.
+    /// The decoder without I/O. It has the header, the grid, and the positions, faces and name of
+    /// the last frame.
     pub fn stream(&self) -> &StreamDecoder {
         &self.stream
     }
@@ -83,7 +84,7 @@ impl<R: Read + Seek> Decoder<R> {
     /// The index at the end of the file: the GoFs in order.
     ///
     /// # Errors
-    /// A file without a sound index, a reader that fails.
+    /// The file has no sound index, or the reader fails.
     pub fn index(&mut self) -> Result<&Index, DecodeError> {
         if self.index.is_none() {
             let position = self.reader.stream_position()?;
@@ -108,7 +109,8 @@ impl<R: Read + Seek> Decoder<R> {
     /// Makes `frame` (from 0) the next frame. Decodes the frames of its GoF before it.
     ///
     /// # Errors
-    /// No such frame; no sound index; whatever decoding those frames meets.
+    /// The frame does not exist, the file has no sound index, or a frame before it cannot be
+    /// decoded.
     pub fn seek(&mut self, frame: u64) -> Result<(), DecodeError> {
         let frames = self.frame_count()?;
         if frame >= frames {
@@ -133,8 +135,8 @@ impl<R: Read + Seek> Decoder<R> {
     }
 }
 
-/// Reads the index unit; also gives the offset of the first GoF. Its size is checked before any
-/// memory is taken for it.
+/// Reads the index unit and returns it with the offset of the first GoF. Its size is checked before
+/// memory is allocated for it.
 fn read_index<R: Read + Seek>(
     reader: &mut R,
     stream: &StreamDecoder,

@@ -1,6 +1,6 @@
-//! What a decoder says of a frame.
+//! Facts about a decoded frame.
 
-/// Intra or predicted.
+/// The kind of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameKind {
     /// An I-frame: begins a GoF and decodes alone.
@@ -9,7 +9,7 @@ pub enum FrameKind {
     Predicted,
 }
 
-/// What is known of a decoded frame.
+/// Facts about a decoded frame: numbers, kind and size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameInfo {
     /// Place in the sequence, from 0: display order. Rises by one from frame to frame, except over
@@ -17,7 +17,7 @@ pub struct FrameInfo {
     pub index: u64,
     /// Place in the stream, from 0: decode order. Equal to `index` in streams of this version.
     pub decode_index: u64,
-    /// I or P.
+    /// Whether the frame is an I-frame or a P-frame.
     pub kind: FrameKind,
     /// Bytes of the frame's units; a GoF's key nodes count with its first P-frame.
     pub bytes: u64,

@@ -1,10 +1,10 @@
-//! From coded key nodes to positions, labels and kinds (`spec/07-motion.md`).
+//! Turns coded key nodes into positions, labels and kinds (`spec/07-motion.md`).
 
 use crate::decode::nearest::Slabs;
 use kn_bitstream::{AffineNodes, KeyNodes, NodeSites};
 use kn_mesh::GridMesh;
 
-/// The key nodes of a GoF: what stays the same through it.
+/// The properties of a GoF's key nodes that do not change from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodeSet {
     /// `#N × 3`, on the I-frame, in grid steps.

@@ -1,4 +1,4 @@
-//! Stream in, frames out.
+//! The decoder: streams become frames.
 
 mod files;
 mod frame_info;

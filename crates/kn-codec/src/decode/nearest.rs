@@ -1,4 +1,4 @@
-//! The vertex nearest to a point, exactly (`nodes.label.nearest`).
+//! Exact search for the vertex that is nearest to a point (`nodes.label.nearest`).
 
 use kn_mesh::adjacency::Rows;
 
@@ -14,7 +14,7 @@ pub(crate) struct Slabs<'a> {
     slabs: Rows,
 }
 
-/// Slabs hold about so many vertices each, if these are spread evenly.
+/// Mean number of vertices in a slab. Slabs of an uneven mesh hold more or fewer.
 const VERTICES_PER_SLAB: usize = 16;
 
 impl<'a> Slabs<'a> {

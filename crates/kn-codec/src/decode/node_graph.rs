@@ -1,8 +1,9 @@
-//! The influence graph of the key nodes (`path.graph`): who moves a vertex together.
+//! The influence graph of the key nodes (`path.graph`): two nodes are neighbours where they move a
+//! vertex together.
 
 use kn_deform::Influence;
 
-/// Neighbours of every node, a row of bits each: at 4096 nodes 2 MiB.
+/// Neighbours of every node, as one row of bits for each node. 4096 nodes take 2 MiB.
 pub(crate) struct NodeGraph {
     words: usize,
     rows: Vec<u64>,

@@ -14,7 +14,7 @@ pub(crate) struct Visit {
     pub(crate) from: Option<u16>,
 }
 
-/// What the path follows from.
+/// The data that determine the path.
 pub(crate) struct Sites<'s> {
     /// `#N × 3`, on the I-frame, in grid steps.
     pub(crate) positions: &'s [[i32; 3]],
@@ -24,7 +24,7 @@ pub(crate) struct Sites<'s> {
     pub(crate) up_axis: usize,
 }
 
-/// The path: every node once.
+/// Finds the path. It visits every node once.
 pub(crate) fn trace_path(sites: &Sites<'_>) -> Vec<Visit> {
     let graph = NodeGraph::new(sites.positions.len(), sites.influence);
     let mut components: Vec<(BodyPart, Vec<u16>)> =
@@ -51,7 +51,7 @@ pub(crate) fn trace_path(sites: &Sites<'_>) -> Vec<Visit> {
     path
 }
 
-/// Nodes around a layer that are not visited yet (`path.layers`); they are now.
+/// The nodes around a layer that are not visited yet (`path.layers`). Marks them as visited.
 fn next_layer(graph: &NodeGraph, layer: &[u16], visited: &mut [bool]) -> Vec<u16> {
     let around = layer.iter().flat_map(|&node| graph.neighbours(node));
     around.filter(|&node| !std::mem::replace(&mut visited[usize::from(node)], true)).collect()

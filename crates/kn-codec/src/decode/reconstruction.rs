@@ -14,7 +14,8 @@ use kn_bitstream::{
 use kn_deform::{BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind};
 use kn_mesh::{Grid, GridMesh};
 
-/// Decodes the frames of a GoF in decode order. Buffers are reused from GoF to GoF.
+/// The state of a GoF while its frames are decoded in decode order. Buffers are reused by the next
+/// GoF.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reconstruction {
     up_axis: UpAxis,
@@ -36,7 +37,7 @@ pub(crate) struct Reconstruction {
 }
 
 impl Reconstruction {
-    /// A reconstruction under the settings of a sequence.
+    /// Makes a reconstruction with the settings in the header of a sequence.
     pub(crate) fn new(header: &SequenceHeader) -> Self {
         Self {
             up_axis: header.up_axis,
@@ -119,7 +120,7 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// What the syntax of the next P-frame depends on.
+    /// The values that the syntax of the next P-frame depends on.
     pub(crate) fn motion_context(&self) -> MotionContext {
         MotionContext {
             node_count: self.nodes.positions.len() as u32,
@@ -129,8 +130,8 @@ impl Reconstruction {
         }
     }
 
-    /// Decodes a P-frame from the reference in `from`, which no later frame refers to: this frame is
-    /// the last decoded one then.
+    /// Decodes a P-frame from the reference in `from`, which no later frame refers to: this frame
+    /// is the last decoded one then.
     ///
     /// # Errors
     /// The rule that is broken; the state is then undefined until the next GoF.
@@ -141,8 +142,8 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// Shows `look` the positions that [`Self::apply`] would decode, and their faces; the state stays
-    /// as it is.
+    /// Calls `look` with the positions that [`Self::apply`] would decode, and with the faces. The
+    /// state does not change.
     ///
     /// # Errors
     /// The rule that is broken.
@@ -159,7 +160,7 @@ impl Reconstruction {
         decoded.map(|slot| look(&self.references.get(slot).positions, &self.intra.faces))
     }
 
-    /// The frame that `motion` makes of the one in `from`, in a free slot, which is returned.
+    /// Deforms the frame in `from` by `motion` into a free slot, and returns that slot.
     fn decode_motion(&mut self, motion: &MotionFrame, from: Slot) -> Result<Slot, Rule> {
         let limit = self.limit();
         self.translations.decode(motion, i64::from(limit))?;
@@ -179,7 +180,7 @@ impl Reconstruction {
         deformed.map(|()| into)
     }
 
-    /// Reference units that no coordinate reaches, nor any translation.
+    /// The bound of coordinates and translations: all are smaller in magnitude, in reference units.
     pub(crate) fn limit(&self) -> i32 {
         Grid::LIMIT << self.fraction_bits
     }
@@ -222,8 +223,8 @@ impl Reconstruction {
     }
 }
 
-/// Nodes of a frame (`#N × 3`, reference units): those of its reference, moved by their
-/// translations (`deform.nodes.move`).
+/// Moves the nodes of the reference by their translations: they are the nodes of the new frame
+/// (`#N × 3`, reference units; `deform.nodes.move`).
 fn move_nodes(
     nodes: &[[i32; 3]],
     transforms: &[NodeTransform],

@@ -1,6 +1,6 @@
 //! The decoded frames that later frames of a GoF may be deformed from.
 
-/// A decoded frame of a GoF, with everything that a frame deformed from it starts from.
+/// A decoded frame of a GoF: the positions and the key nodes that a P-frame is deformed from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reference {
     /// `#V × 3`, in reference units.
@@ -13,7 +13,8 @@ pub(crate) struct Reference {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Slot(u8);
 
-/// One slot for each frame that may be referred to, and one for the frame that is being decoded.
+/// Number of slots: one for each frame that may be referred to, and one for the frame that is being
+/// decoded.
 /// Streams of this version refer to the last decoded frame alone.
 const SLOTS: usize = 2;
 
@@ -33,20 +34,21 @@ impl ReferencePool {
         self.kept = [false; SLOTS];
     }
 
-    /// A free slot. Whoever keeps a frame releases another before the pool is full.
+    /// A free slot. A caller that keeps a frame releases another before the pool is full.
     pub(crate) fn free(&self) -> Slot {
         let free = self.kept.iter().position(|kept| !kept);
         debug_assert!(free.is_some(), "no slot was released");
         Slot(free.unwrap_or(0) as u8)
     }
 
-    /// `slot` holds the last decoded frame, which may be referred to until it is released.
+    /// Keeps the frame in `slot` as the last decoded one. Frames may refer to it until it is
+    /// released.
     pub(crate) fn keep(&mut self, slot: Slot) {
         self.kept[usize::from(slot.0)] = true;
         self.last = slot;
     }
 
-    /// No later frame refers to `slot`.
+    /// Frees `slot`: no later frame refers to it.
     pub(crate) fn release(&mut self, slot: Slot) {
         self.kept[usize::from(slot.0)] = false;
     }

@@ -17,10 +17,10 @@ use kn_bitstream::{
 };
 use kn_mesh::{Grid, Mesh};
 
-/// What [`StreamDecoder::poll`] reached.
+/// The result of [`StreamDecoder::poll`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// At least so many more bytes are needed.
+    /// At least this many more bytes are needed.
     NeedBytes(usize),
     /// The next frame in display order has been decoded.
     Frame(FrameInfo),
@@ -28,12 +28,12 @@ pub enum Progress {
     End,
 }
 
-/// What may come next (`file.order`).
+/// The position in the order of units (`file.order`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Signature,
     Header,
-    /// At the first GoF, or where a seek has gone.
+    /// Before the first GoF, or after a seek.
     BeforeGroup,
     AfterIntra,
     AfterNodes,
@@ -42,18 +42,18 @@ enum Stage {
     Failed,
 }
 
-/// Stands in until the header has arrived: nothing is allowed.
+/// The level before the header has arrived: it allows nothing.
 const NO_LEVEL: Level =
     Level { max_vertices: 0, max_faces: 0, max_nodes: 0, max_group_frames: 0, max_unit_bytes: 0 };
 
-/// Decodes a stream from bytes as they arrive. Does no I/O.
+/// Decodes a stream from bytes as they arrive. The decoder does no I/O.
 ///
 /// Frames come out in display order. In streams of this version that is the order of decoding, so
 /// the delay is 0 frames: [`Self::poll`] returns a frame as soon as its unit is there. A version
 /// whose P-frames are decoded in another order than they are shown in would keep this contract: it
 /// would return a frame once all frames before it in display order are decoded, after a delay that
-/// the sequence header bounds and that ends with the GoF, and it would hold the decoded frames until
-/// then.
+/// the sequence header bounds and that ends with the GoF, and it would hold the decoded frames
+/// until then.
 ///
 /// Safe on untrusted input: a stream never causes a panic, an endless loop or an allocation beyond
 /// its [`Limits`]; the faces of a decoded mesh are in range. Decoding is bit-exact: any two
@@ -87,7 +87,7 @@ pub struct StreamDecoder {
 }
 
 impl StreamDecoder {
-    /// A decoder at the first byte of a file.
+    /// Makes a decoder that waits for the first byte of a stream.
     pub fn new(limits: Limits) -> Self {
         Self {
             limits,
@@ -110,13 +110,13 @@ impl StreamDecoder {
         }
     }
 
-    /// Whether every frame is compared with the digest that it carries; off at first, since it
-    /// costs more time than decoding.
+    /// Sets whether every frame is compared with the digest that it carries. The default is no,
+    /// since a comparison costs more time than decoding.
     pub fn check_digests(&mut self, check: bool) {
         self.check_digests = check;
     }
 
-    /// Appends bytes of the file.
+    /// Appends the next bytes of the stream.
     pub fn push(&mut self, bytes: &[u8]) {
         if self.start > 0 && self.start >= self.buffer.len() / 2 {
             self.buffer.drain(..self.start);
@@ -125,7 +125,7 @@ impl StreamDecoder {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// Decodes up to the next frame, which is written into `mesh` (its buffers are reused).
+    /// Decodes up to the next frame and writes it into `mesh`, whose buffers are reused.
     ///
     /// # Errors
     /// See [`DecodeErrorKind`]. After an error the stream cannot be continued.
@@ -133,7 +133,7 @@ impl StreamDecoder {
         self.poll_traced(mesh, None)
     }
 
-    /// Like [`Self::poll`], and hands every syntax element to `trace`.
+    /// Decodes like [`Self::poll`], and calls `trace` with every syntax element.
     ///
     /// # Errors
     /// As for [`Self::poll`].
@@ -159,8 +159,8 @@ impl StreamDecoder {
         }
     }
 
-    /// Decodes up to the sequence header; the number of bytes that are missing, or `None` once
-    /// the header is there.
+    /// Decodes up to the sequence header. Returns the number of bytes that are missing, or `None`
+    /// once the header is there.
     pub(crate) fn poll_header(&mut self) -> Result<Option<usize>, DecodeError> {
         while self.header.is_none() {
             if let Step::NeedBytes(n) = self.step(None)? {
@@ -170,29 +170,31 @@ impl StreamDecoder {
         Ok(None)
     }
 
-    /// The sequence header, once it has arrived.
+    /// The sequence header; `None` before it has arrived.
     pub fn header(&self) -> Option<&SequenceHeader> {
         self.header.as_ref()
     }
 
-    /// The grid of decoded positions, once the header has arrived: its step is a reference unit,
-    /// 2^-`fraction_bits` steps of the grid that I-frames are coded on.
+    /// The grid of decoded positions; `None` before the header has arrived. Its step is a reference
+    /// unit, 2^-`fraction_bits` steps of the grid that I-frames are coded on.
     pub fn grid(&self) -> Option<Grid> {
         let fine = |h: &SequenceHeader| h.grid_step / f64::from(1_u32 << h.fraction_bits);
         self.header.as_ref().map(|h| Grid { origin: h.grid_origin, step: fine(h) })
     }
 
-    /// The last frame's positions on [`Self::grid`] (`#V × 3`), the same in every decoder.
+    /// Positions of the last frame on [`Self::grid`] (`#V × 3`). They are the same in every
+    /// decoder.
     pub fn grid_positions(&self) -> &[[i32; 3]] {
         self.group.last_positions()
     }
 
-    /// The last frame's faces (`#F × 3`), the same through a GoF.
+    /// Faces of the last frame (`#F × 3`). They are the same in all frames of a GoF.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.group.intra().faces
     }
 
-    /// The last frame's name, without extension: its own, or by the sequence's pattern.
+    /// Name of the last frame, without extension: its own name, or else that of the sequence's
+    /// pattern.
     pub fn frame_name(&self) -> Option<String> {
         let shown = self.shown?;
         if !self.frame_name.is_empty() {
@@ -202,23 +204,23 @@ impl StreamDecoder {
         Some(names.of_frame(u32::try_from(shown.display).ok()?))
     }
 
-    /// Frames per GoF at most; 0 before the header.
+    /// The largest number of frames in a GoF; 0 before the header has arrived.
     fn max_group_length(&self) -> u8 {
         self.header.as_ref().map_or(0, |header| header.max_group_length)
     }
 
-    /// Number of frames decoded, those before a seek's target included.
+    /// Number of decoded frames. Frames before the target of a seek count.
     pub(crate) fn decoded(&self) -> u64 {
         self.decoded
     }
 
-    /// Bytes that have arrived.
+    /// Number of bytes that have arrived.
     pub(crate) fn received(&self) -> u64 {
         self.offset + (self.buffer.len() - self.start) as u64
     }
 
     /// Goes to the first byte of a GoF; `before` are the GoFs that precede it. Only an
-    /// I-frame may come there, wherever the index has sent us: nothing of another GoF is used.
+    /// I-frame may follow, wherever the index points: nothing of another GoF is used.
     pub(crate) fn restart(&mut self, offset: u64, before: &[IndexGroup]) {
         self.buffer.clear();
         self.start = 0;
@@ -271,7 +273,7 @@ impl StreamDecoder {
         Ok(Step::Continue)
     }
 
-    /// Decodes the unit at the beginning of `bytes`; also tells how many bytes it has.
+    /// Decodes the unit at the beginning of `bytes`. Returns its number of bytes too.
     fn read_unit(
         &mut self,
         bytes: &[u8],
@@ -296,10 +298,11 @@ impl StreamDecoder {
         Ok((step, unit.total_len))
     }
 
-    /// The index unit in `bytes`, from the file's bit `start` on, as far as they go.
+    /// Reads the index unit from `bytes`, which begin at bit `start` of the file.
     ///
     /// # Errors
-    /// What is no index unit, one above the limits (as soon as its size is there), a broken one.
+    /// The bytes are no index unit, the unit is above the limits (known as soon as its size is), or
+    /// it breaks a rule.
     pub(crate) fn parse_index(&self, bytes: &[u8], start: u64) -> Result<ParsedIndex, DecodeError> {
         let place = |error: Error| place(Error { bit: error.bit + start, ..error }, None);
         let unit = match unit::read_unit(bytes, self.size_limits()).map_err(place)? {
@@ -321,7 +324,7 @@ impl StreamDecoder {
         SizeLimits { level, caller: self.limits.max_unit_bytes }
     }
 
-    /// Spec rule `file.order`.
+    /// Checks the order of units (`file.order`).
     fn check_order(&self, unit_type: u8) -> Result<(), DecodeError> {
         let in_order = match self.stage {
             Stage::Header => unit_type == unit::SEQUENCE_HEADER,
@@ -343,7 +346,7 @@ impl StreamDecoder {
         }
     }
 
-    /// Copies the last frame out. Labels are those of the I-frame.
+    /// Copies the last frame into `mesh`. The labels are those of the I-frame.
     fn fill(&self, mesh: &mut Mesh) {
         let Some(grid) = self.grid() else { return };
         mesh.positions.clear();
@@ -357,15 +360,15 @@ impl StreamDecoder {
     }
 }
 
-/// What [`StreamDecoder::parse_index`] found.
+/// The result of [`StreamDecoder::parse_index`].
 pub(crate) enum ParsedIndex {
-    /// The unit has so many more bytes.
+    /// The unit has this many more bytes.
     NeedBytes(usize),
     /// The GoFs.
     Index(Index),
 }
 
-/// What one step reached.
+/// The result of one step.
 enum Step {
     Continue,
     NeedBytes(usize),

@@ -1,9 +1,9 @@
-//! From quantised motion to node transforms (`spec/07-motion.md`).
+//! Turns quantised motion into node transforms (`spec/07-motion.md`).
 
 use kn_bitstream::{MotionFrame, parameter_step};
 use kn_deform::NodeTransform;
 
-/// Unit of the parameter steps: 2^−16.
+/// Unit of the steps of rotation, scale and shear: 2^−16.
 const PARAMETER_UNIT: f64 = 1.0 / 65536.0;
 
 /// Dequantises the transforms of a frame; `affine` has one entry per node, `translations` are

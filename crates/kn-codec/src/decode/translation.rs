@@ -1,4 +1,4 @@
-//! Translations of the key nodes and what they are predicted from (`spec/07-motion.md`, 7.3 and
+//! Translations of the key nodes, and their predictions (`spec/07-motion.md`, 7.3 and
 //! 7.4). The encoder runs the same prediction with its own quantiser in the loop.
 
 use crate::decode::path::Visit;
@@ -6,7 +6,8 @@ use kn_bitstream::params::TranslationMode;
 use kn_bitstream::rule::{self, Rule};
 use kn_bitstream::{MotionFrame, translation_step};
 
-/// The translations of the last P-frame of a GoF, and what the next is predicted with.
+/// The translations of the last P-frame of a GoF, and the data that the next ones are predicted
+/// from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Translations {
     /// `#N × 3`, in reference units, each below 2^20 grid steps in magnitude; undefined before the
@@ -20,7 +21,7 @@ pub(crate) struct Translations {
     path: Vec<Visit>,
 }
 
-/// Quantiser and code of a frame's translations.
+/// Quantiser step and Huffman table of a frame's translations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dictionary {
     pub(crate) step: i64,
@@ -83,11 +84,11 @@ impl Translations {
         Ok(())
     }
 
-    /// Asks `translate` for the translation of every node, given its prediction, in an order that
-    /// lets later nodes be predicted from earlier ones.
+    /// Calls `translate` with each node and its prediction, and keeps the translation that it
+    /// returns. The order of the nodes lets later ones be predicted from earlier ones.
     ///
     /// # Errors
-    /// Those of `translate`.
+    /// The errors of `translate`.
     pub(crate) fn predict<E>(
         &mut self,
         mode: TranslationMode,
@@ -121,7 +122,7 @@ impl Translations {
     }
 }
 
-/// Spec rule `motion.translation.range`.
+/// Checks the range of a translation (`motion.translation.range`).
 fn inside(translation: [i64; 3], limit: i64) -> Result<[i64; 3], Rule> {
     if translation.iter().all(|t| t.abs() < limit) {
         Ok(translation)

@@ -1,11 +1,11 @@
-//! The encoder's own choices: what streams do not name, but every caller does. Each has a text form.
+//! Settings of the encoder that no stream carries. Each type has a text form.
 
 use kn_bitstream::params::{BodyPart, Combination, NameError, Named};
 use std::fmt;
 use std::str::FromStr;
 use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
 
-/// A text that is not a form of a setting: its message says what the forms are.
+/// The error for a text that is not a form of a setting. The message names the forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct FormError(&'static str);
@@ -15,11 +15,11 @@ pub struct FormError(&'static str);
 /// Text forms of the first two are `5000` and `25%`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decimation {
-    /// At most so many faces, as far as topology allows.
+    /// At most this number of faces, as far as topology allows.
     Faces(u32),
     /// At most this share of the faces, between 0 and 1.
     Share(f64),
-    /// No vertex of the scan further than this from the coarser surface, world units.
+    /// The largest distance from a vertex of the scan to the decimated surface, in world units.
     Error(f64),
 }
 
@@ -46,18 +46,18 @@ impl fmt::Display for Decimation {
     }
 }
 
-/// Where the body parts of a frame's vertices come from.
+/// The source of the labels of a frame.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
 )]
 #[strum(serialize_all = "kebab-case")]
 #[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<LabelChoice>)]
 pub enum LabelChoice {
-    /// The frames' own labels; a sequence without them is coded without.
+    /// The frames' own labels; a sequence without labels is coded without labels.
     Given,
-    /// The frames' own labels; where they have none, those of the segmentation
-    /// ([`kn_segment::Segmenter`]).
+    /// The frames' own labels; where they have none, those that the segmentation finds.
     ///
+    /// The segmentation is [`kn_segment::Segmenter`].
     /// Frames in which the segmentation does not find a person are coded as if they had no labels.
     Auto,
 }
@@ -70,15 +70,15 @@ impl Named for LabelChoice {
     }
 }
 
-/// Which key nodes are affine; the others are rigid.
+/// The choice of the affine key nodes. The others are rigid.
 #[derive(Clone, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage)]
 #[strum(serialize_all = "kebab-case")]
 pub enum AffineChoice {
     /// All nodes are rigid.
     None,
-    /// Nodes of these body parts, by default of the torso; none where the frames have no labels.
+    /// The nodes of these body parts, by default of the torso; no node where frames have no labels.
     Labels(Vec<BodyPart>),
-    /// Nodes whose scales and shears pay for their bytes, with labels or without.
+    /// The nodes whose scales and shears pay for their bytes, with labels or without.
     ///
     /// They lower J in the key frame of their GoF.
     Cost,
@@ -104,30 +104,31 @@ impl Named for AffineChoice {
 impl FromStr for AffineChoice {
     type Err = NameError;
 
-    /// `labels` is [`Self::torso`].
+    /// Parses the name of a choice. `labels` means [`Self::torso`].
     fn from_str(text: &str) -> Result<Self, NameError> {
         let found = Self::all().into_iter().find(|choice| choice.name() == text);
         found.ok_or_else(|| NameError::of::<Self>(text))
     }
 }
 
-/// How the components of affine nodes are chosen: a combination Ω of least J = D + λR (bi-modal
-/// paper, section on rate-distortion optimization). What is not chosen is disabled while fitting.
+/// The choice of the components of affine nodes: the combination of least J = D + λR (bi-modal
+/// paper, section on rate-distortion optimization). Components that are not chosen are not fitted
+/// either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, AsRefStr, EnumMessage)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CombinationChoice {
-    /// This one in every P-frame.
+    /// This combination in every P-frame.
     Fixed(Combination),
-    /// By the first P-frame of each GoF, for the whole GoF: the paper's choice.
+    /// By the first P-frame of each GoF for the whole GoF, as in the paper.
     ///
     /// It is chosen among the combinations with rotation: one frame does not show what the others
     /// lose in a chain of frames (`docs/notes/choice.md`).
     FirstP,
-    /// In every P-frame.
+    /// By each P-frame for itself.
     ///
     /// It is chosen among the combinations with rotation.
     PerFrame,
-    /// By what the whole GoF costs with each combination; slow.
+    /// By the cost of the whole GoF with each combination; slow.
     ///
     /// Each combination codes the GoF once, which takes eight times as long.
     LookAhead,
@@ -153,7 +154,7 @@ impl fmt::Display for CombinationChoice {
 impl FromStr for CombinationChoice {
     type Err = NameError;
 
-    /// The name of a choice, or of the combination that is fixed.
+    /// Parses the name of a choice, or the name of a combination that is then fixed.
     fn from_str(text: &str) -> Result<Self, NameError> {
         let found = Self::all().into_iter().find(|choice| choice.name() == text);
         found.or_else(|| text.parse().ok().map(Self::Fixed)).ok_or_else(|| {
@@ -169,7 +170,7 @@ impl From<Combination> for CombinationChoice {
     }
 }
 
-/// What D is measured by where anything is chosen by J = D + λR.
+/// The measure of D where something is chosen by J = D + λR.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
 )]
@@ -178,12 +179,12 @@ impl From<Combination> for CombinationChoice {
 pub enum DistortionMeasure {
     /// MSDM2; slow.
     ///
-    /// It is the symmetric one: half a second for each candidate.
+    /// It is the mean of both directions. Each candidate takes half a second.
     Msdm2,
     /// Distances and normals, scaled to differ as MSDM2 does.
     ///
-    /// They are measured between the decoded surface and the scan at some thousand points:
-    /// milliseconds for each candidate.
+    /// They are measured between the decoded surface and the scan at some thousand points. Each
+    /// candidate takes milliseconds.
     Surrogate,
 }
 
@@ -195,12 +196,13 @@ impl Named for DistortionMeasure {
     }
 }
 
-/// How a quantiser step is chosen. Text forms are `auto` and a number of grid steps.
+/// The choice of a quantiser step. Text forms are `auto` and a number of grid steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepChoice {
-    /// So many grid steps.
+    /// This number of grid steps.
     Fixed(f64),
-    /// In every P-frame those of translations, rotations, and scales and shears with the least J.
+    /// In every P-frame the steps of least J, for translations, for rotations, and for scales and
+    /// shears.
     Cost,
 }
 
@@ -225,14 +227,16 @@ impl fmt::Display for StepChoice {
     }
 }
 
-/// How many key nodes a GoF has. Text forms are `auto` and a number.
+/// The choice of the number of key nodes of a GoF. Text forms are `auto` and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeChoice {
-    /// So many, 1 to 4096.
+    /// This number, 1 to 4096.
     Fixed(usize),
-    /// In every GoF as many as lower J = D + λR of its key frame by their bytes, at least one for
-    /// every region of influence and at most one for 60 vertices of the I-frame; 150, or `most` if that
-    /// is less, where they are spread evenly or no frame can be tracked.
+    /// The number of nodes that pay for their bytes: each lowers J = D + λR of the GoF's key frame.
+    ///
+    /// There is at least one node for every region, and at most one for 60 vertices of the I-frame.
+    /// There are 150 nodes, or `most` if that is less, where nodes are spread evenly or no frame
+    /// can be tracked.
     Cost {
         /// The largest number, 1 to 4096.
         most: usize,
@@ -240,7 +244,7 @@ pub enum NodeChoice {
 }
 
 impl NodeChoice {
-    /// The largest number that a GoF can have.
+    /// The largest number of nodes that a GoF can have.
     pub fn most(self) -> usize {
         match self {
             Self::Fixed(count) | Self::Cost { most: count } => count,
@@ -281,7 +285,7 @@ impl fmt::Display for NodeChoice {
     }
 }
 
-/// Where key nodes are put.
+/// The choice of the places of key nodes.
 #[derive(
     Clone,
     Copy,
@@ -300,7 +304,7 @@ impl fmt::Display for NodeChoice {
 pub enum NodePlacement {
     /// Evenly over the surface of the I-frame, by farthest points.
     Farthest,
-    /// Where the motion needs them, by distance to the scans.
+    /// Where the motion needs them, by the distance to the scans.
     ///
     /// This is the key-node generator of the bi-modal paper, run on the motion to a later frame of
     /// the GoF, with new nodes where the distance is largest.
@@ -319,13 +323,13 @@ impl Named for NodePlacement {
     }
 }
 
-/// How strongly I-frames are smoothed within their grid's uncertainty. Text forms are `auto` and a
-/// strength.
+/// The choice of the strength of smoothing, which moves the vertices of an I-frame by at most half
+/// a grid step. Text forms are `auto` and a strength.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SmoothingChoice {
-    /// As strongly as leaves the decoded surface as near to the scan, within 3 %.
+    /// The greatest strength that leaves the decoded surface as near to the scan, within 3 %.
     Auto,
-    /// 0 (decoded positions are exactly the quantised ones) to 5.
+    /// This strength, 0 to 5. With 0 the decoded positions are exactly the quantised ones.
     Strength(u8),
 }
 
@@ -350,18 +354,18 @@ impl fmt::Display for SmoothingChoice {
     }
 }
 
-/// What translations are predicted from.
+/// The choice of the prediction of translations.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, AsRefStr, Display, EnumMessage, EnumString, VariantArray,
 )]
 #[strum(serialize_all = "kebab-case")]
 #[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<TranslationChoice>)]
 pub enum TranslationChoice {
-    /// Nothing.
+    /// No prediction.
     Direct,
     /// The paper's choice: spatial in the first P-frame of a GoF, spatio-temporal in the others.
     Paper,
-    /// In every frame the mode with the fewest bits; the decoded frames are the same in all.
+    /// In every frame the mode with the fewest bits; the decoded frames are the same in every mode.
     Cost,
 }
 
@@ -373,8 +377,8 @@ impl Named for TranslationChoice {
     }
 }
 
-/// The text of a choice that the encoder makes; read in any case, since help texts write it in
-/// capitals.
+/// The text form of a choice that the encoder makes. It is read in any case, since help texts write
+/// it in capitals.
 const AUTO: &str = "auto";
 
 fn is_auto(text: &str) -> bool {

@@ -8,21 +8,22 @@ use kn_bitstream::params::{FileNames, FrameRate, InfluenceMode, UnitOfLength, Up
 use kn_fit::PartStart;
 use kn_mesh::{BoundingBox, Grid};
 
-/// How the sequence's grid is chosen.
+/// The choice of the sequence's grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GridChoice {
-    /// So many bits for the longest side of the box: step = side / (2^bits − 1).
+    /// A number of bits for the longest side of the box: step = side / (2^bits − 1).
     Bits {
-        /// 4 to 20.
+        /// Number of bits, 4 to 20.
         bits: u8,
-        /// The box of all frames, where the input could be read beforehand; else the first frame's.
+        /// The box of all frames. `None` is the box of the first frame, for input that cannot be
+        /// read beforehand.
         bounds: Option<BoundingBox>,
     },
     /// A step in world units.
     Step {
-        /// Finite and positive.
+        /// The step, finite and positive.
         step: f64,
-        /// As for bits; here it only places the origin.
+        /// The box, as for bits. Here it places the origin alone.
         bounds: Option<BoundingBox>,
     },
     /// A grid that all coordinates lie on already (see [`kn_mesh::ExactGrid`]): they come back to
@@ -32,7 +33,7 @@ pub enum GridChoice {
 }
 
 impl GridChoice {
-    /// The same choice for a sequence with this box; a lossless grid has its own origin.
+    /// Sets the box of the sequence. A lossless grid has its own origin and stays as it is.
     #[must_use]
     pub fn with_bounds(self, bounds: Option<BoundingBox>) -> Self {
         match self {
@@ -42,7 +43,7 @@ impl GridChoice {
         }
     }
 
-    /// The step in world units; `None` for bits of a box that the first frame will tell.
+    /// The step in world units; `None` for a number of bits without a box.
     pub fn step(&self) -> Option<f64> {
         match *self {
             Self::Bits { bits, bounds } => bounds.map(|bounds| step_of_bits(bits, &bounds)),
@@ -52,17 +53,17 @@ impl GridChoice {
     }
 }
 
-/// A box without extent has any step.
+/// The step of a number of bits. A box without extent may have any step.
 pub(crate) fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
     let side = bounds.longest_side();
     if side > 0.0 { side / f64::from((1_u32 << bits) - 1) } else { 1.0 }
 }
 
-/// Settings of an [`crate::Encoder`], by what they concern. The default is the preset `default`:
-/// bi-modal, with as many key nodes as pay for their bytes.
+/// Settings of an [`crate::Encoder`] in four parts. The default is the preset `default`: bi-modal,
+/// with as many key nodes as pay for their bytes.
 ///
-/// Settings are changed by the chainable `with_…` methods or through the fields of its four parts. They
-/// are checked by [`Self::validate`], which [`crate::Encoder::new`] calls.
+/// Settings are changed by the chainable `with_…` methods or through the fields of its four parts.
+/// They are checked by [`Self::validate`], which [`crate::Encoder::new`] calls.
 ///
 /// ```
 /// use kn_codec::{AffineChoice, EncoderConfig};
@@ -74,13 +75,13 @@ pub(crate) fn step_of_bits(bits: u8, bounds: &BoundingBox) -> f64 {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct EncoderConfig {
-    /// What holds for the whole sequence.
+    /// Settings of the whole sequence.
     pub sequence: SequenceConfig,
-    /// How I-frames are coded.
+    /// Settings of I-frames.
     pub intra: IntraConfig,
-    /// How P-frames are coded.
+    /// Settings of P-frames.
     pub motion: MotionConfig,
-    /// How bytes are weighed against distortion.
+    /// Settings of the choices by J = D + λR.
     pub rate: RateConfig,
 }
 
@@ -90,15 +91,15 @@ pub struct EncoderConfig {
 pub struct SequenceConfig {
     /// The grid of all frames.
     pub grid: GridChoice,
-    /// Frames per second; carried, not interpreted.
+    /// Frames per second. The stream carries the value; the codec does not use it.
     pub frame_rate: FrameRate,
-    /// Unit of the world coordinates; carried, not interpreted.
+    /// Unit of the world coordinates. The stream carries the value; the codec does not use it.
     pub unit: UnitOfLength,
     /// The axis that points up.
     pub up_axis: UpAxis,
     /// Fractional bits of reference positions, 0 to 8.
     pub fraction_bits: u8,
-    /// Most frames in a GoF, 1 to 255.
+    /// Largest number of frames in a GoF, 1 to 255.
     pub group_length: u8,
     /// Whether frames carry digests (8 bytes each).
     pub digests: bool,
@@ -110,13 +111,13 @@ pub struct SequenceConfig {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct IntraConfig {
-    /// Whether and how far I-frames are decimated.
+    /// Decimation of I-frames; `None` keeps all their faces.
     pub decimation: Option<Decimation>,
-    /// How strongly they are smoothed.
+    /// Strength of the smoothing of I-frames.
     pub smoothing: SmoothingChoice,
-    /// Where the body-part labels of their vertices come from.
+    /// Source of the labels.
     pub labels: LabelChoice,
-    /// Whether their reports have a vertex map.
+    /// Whether the reports of I-frames have a vertex map.
     pub vertex_maps: bool,
 }
 
@@ -124,33 +125,36 @@ pub struct IntraConfig {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionConfig {
-    /// Key nodes in a GoF.
+    /// Number of key nodes in a GoF.
     pub nodes: NodeChoice,
-    /// Where the nodes are put.
+    /// Places of the key nodes.
     pub placement: NodePlacement,
-    /// Q: nodes that move a vertex, 1 to 8.
+    /// Q: number of nodes that move a vertex, 1 to 8.
     pub nodes_per_vertex: u8,
-    /// From the distance of a node to its weight.
+    /// Weights of the nodes, by their distance from the vertex.
     pub weights: Weights,
-    /// What happens where a region has no node.
+    /// Influence in a region that has no node.
     pub influence: InfluenceMode,
-    /// Which nodes are affine.
+    /// Affine nodes.
     pub affine: AffineChoice,
     /// Components of affine nodes.
     pub combination: CombinationChoice,
-    /// Whether labelled parts are first aligned rigidly, before their nodes move (the paper's
-    /// segment-guided correspondence). Nothing happens without labels.
+    /// Whether the fit begins with a rigid motion of every labelled part (the paper's
+    /// segment-guided correspondence). Without labels the setting has no effect.
     pub part_start: PartStart,
-    /// What translations are predicted from.
+    /// Prediction of translations.
     pub translation: TranslationChoice,
     /// Quantiser step of translations.
     pub translation_step: StepChoice,
-    /// Quantiser step of rotations, as how far it moves a vertex at the mean distance from its node,
-    /// in grid steps; `None` is as far as that of translations, or by cost where that one is.
+    /// Quantiser step of rotations: the distance, in grid steps, that it moves a vertex at the mean
+    /// distance from its node. `None` is the step of translations, or a choice by cost where that
+    /// is chosen by cost.
     pub rotation_step: Option<f64>,
-    /// Likewise of scales; `None` is twice as far, or by cost.
+    /// Quantiser step of scales, measured likewise. `None` is twice the step of translations, or a
+    /// choice by cost.
     pub scale_step: Option<f64>,
-    /// Likewise of shears; `None` is twice as far, or by cost.
+    /// Quantiser step of shears, measured likewise. `None` is twice the step of translations, or a
+    /// choice by cost.
     pub shear_step: Option<f64>,
 }
 
@@ -160,7 +164,7 @@ pub struct MotionConfig {
 pub struct RateConfig {
     /// λ: the distortion that a byte of a P-frame is worth, 0 or more.
     pub lambda: f64,
-    /// What D is measured by.
+    /// The measure of D.
     pub distortion: DistortionMeasure,
 }
 
@@ -216,7 +220,7 @@ impl Default for RateConfig {
     }
 }
 
-/// See `docs/notes/choice.md`.
+/// The default λ (`docs/notes/choice.md`).
 const LAMBDA: f64 = 3e-5;
 
 /// The chainable setter of each field: `name: argument => part.field`.
@@ -266,7 +270,7 @@ setters! {
 }
 
 impl EncoderConfig {
-    /// Sets the grid to so many bits for the longest side of the first frame's box.
+    /// Sets the number of bits for the longest side of the first frame's box.
     #[must_use]
     pub fn with_bits(self, bits: u8) -> Self {
         self.with_grid(GridChoice::Bits { bits, bounds: None })

@@ -7,7 +7,7 @@ use kn_mesh::{Mesh, VertexMap};
 use kn_metrics::{TriangleTree, distances_to_surface};
 use meshopt::SimplifyOptions;
 
-/// A coarser mesh, and what it cost.
+/// A decimated mesh and its distance from the scan.
 pub(crate) struct Decimated {
     pub(crate) mesh: Mesh,
     /// `#V` vertex of `mesh` for each vertex of the input, or [`kn_mesh::DROPPED`].
@@ -54,7 +54,7 @@ enum Bound {
     Absolute(f32),
 }
 
-/// The faces that are left, in the input's vertices.
+/// The faces that are left, as indices of the input's vertices.
 struct Collapsed(Vec<[u32; 3]>);
 
 fn collapse(mesh: &Mesh, target: usize, bound: Bound, label_weight: f32) -> Collapsed {

@@ -1,4 +1,4 @@
-//! The streaming encoder: frames are pushed in, a file comes out.
+//! The streaming encoder: frames are pushed in, and a stream is written.
 
 use crate::encode::config::EncoderConfig;
 use crate::encode::group::GroupEncoder;
@@ -13,7 +13,7 @@ use kn_mesh::Mesh;
 use kn_segment::Segmentation;
 use std::io::Write;
 
-/// Encodes a sequence frame by frame; holds at most one GoF.
+/// Encodes a sequence frame by frame. It holds at most one GoF.
 ///
 /// The same frames and settings give the same file, whatever the number of threads.
 pub struct Encoder<W: Write> {
@@ -35,10 +35,10 @@ pub struct Encoder<W: Write> {
 }
 
 impl<W: Write> Encoder<W> {
-    /// An encoder that writes to `writer`; nothing is written before the first GoF is full.
+    /// Makes an encoder that writes to `writer`. It writes nothing before the first GoF is full.
     ///
     /// # Errors
-    /// A setting that is out of its range, or settings that contradict each other; see
+    /// A setting is out of its range, or two settings contradict each other; see
     /// [`EncoderConfig::validate`].
     pub fn new(writer: W, config: EncoderConfig) -> Result<Self, EncodeError> {
         config.validate()?;
@@ -58,10 +58,10 @@ impl<W: Write> Encoder<W> {
         })
     }
 
-    /// Adds a frame, a cleaned scan; a full GoF is encoded and written.
+    /// Adds a frame, which is a cleaned scan. A GoF that is full is encoded and written.
     ///
     /// # Errors
-    /// A mesh that is broken or cannot be coded, named by its index; a writer that fails.
+    /// The mesh is broken or cannot be coded (the error has its index), or the writer fails.
     pub fn push(&mut self, mesh: &Mesh) -> Result<(), EncodeError> {
         check_mesh(mesh, self.frame)?;
         let labelled = !mesh.labels.is_empty();
@@ -89,11 +89,11 @@ impl<W: Write> Encoder<W> {
         self.reports.drain(..)
     }
 
-    /// Encodes what is left, writes the index and flushes. The writer comes back with the summary
-    /// and the last reports.
+    /// Encodes the frames that are left, writes the index and flushes the writer. Returns the
+    /// writer, the summary and the last reports.
     ///
     /// # Errors
-    /// No frame was pushed; as for [`Self::push`].
+    /// No frame was pushed, or a frame or the writer fails as in [`Self::push`].
     pub fn finish(mut self) -> Result<Finished<W>, EncodeError> {
         while !self.pending.is_empty() {
             self.encode_group()?;
@@ -160,18 +160,18 @@ impl<W: Write> Encoder<W> {
     }
 }
 
-/// What [`Encoder::finish`] gives back.
+/// The result of [`Encoder::finish`].
 #[derive(Debug)]
 pub struct Finished<W> {
     /// The writer, flushed.
     pub writer: W,
-    /// Totals.
+    /// Totals of the sequence.
     pub summary: Summary,
     /// Reports that were not drained.
     pub reports: Vec<FrameReport>,
 }
 
-/// Whether a frame can be coded at all.
+/// Checks that a frame can be coded.
 fn check_mesh(mesh: &Mesh, frame: u64) -> Result<(), EncodeError> {
     let fail = |reason: String| Err(EncodeError::Input { frame, reason });
     if mesh.positions.is_empty() {

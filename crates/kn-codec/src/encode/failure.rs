@@ -3,29 +3,31 @@
 use kn_fit::{FitMeasures, FitReport, MeasureOptions};
 use std::fmt;
 
-/// When a fitted frame is explained by its motion. The values come from sequences in which limbs, balls
-/// and hems leave the body (`docs/notes/fit.md`).
+/// Thresholds that decide whether the motion explains a fitted frame. The values come from
+/// sequences in which limbs, balls and hems leave the body (`docs/notes/fit.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailureTuning {
-    /// What is measured as far and as torn.
+    /// Options of the fit's measures: which points are far, and which edges are torn.
     pub measures: MeasureOptions,
     /// A frame is not explained when one region of far points has this share of its mesh's area ...
     pub unexplained: f64,
-    /// ... and that of so many vertices: on a coarse mesh the scanner's holes are that large.
+    /// ... and the area of this number of vertices: the scanner's holes are that large on a coarse
+    /// mesh.
     pub unexplained_vertices: f64,
-    /// A frame is not explained when torn edges span this share of the diagonal's square. A hem that
-    /// leaves the thighs had 0.005 and was not worth an I-frame, a ball that is let go 0.018.
+    /// A frame is not explained when torn edges span this share of the diagonal's square. A hem
+    /// that leaves the thighs had 0.005 and was not worth an I-frame, a ball that is let go 0.018.
     pub torn: f64,
     /// A frame is not explained when this share of the area of either mesh found no partner ...
     pub unmatched: f64,
-    /// ... and that of so many vertices: more of a coarse mesh's surface lies near a border.
+    /// ... and the area of this number of vertices: more of a coarse mesh's surface lies near a
+    /// border.
     pub unmatched_vertices: f64,
-    /// It is not explained either when this part of that share found none ...
+    /// A frame is not explained either when this part of that share found no partner ...
     pub unmatched_anew: f64,
-    /// ... and so many times the share of any earlier frame of the GoF.
+    /// ... and the share is this many times that of any earlier frame of the GoF.
     pub more_unmatched: f64,
-    /// A frame is not explained when the 95th percentile of its distances is so many times that of
-    /// any earlier frame of the GoF ...
+    /// A frame is not explained when the 95th percentile of its distances is this many times that
+    /// of any earlier frame of the GoF ...
     pub worse: f64,
     /// ... and this share of the diagonal.
     pub notable: f64,
@@ -48,7 +50,7 @@ impl Default for FailureTuning {
     }
 }
 
-/// Why the motion does not explain a frame.
+/// The reason why the motion does not explain a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FitFailure {
     /// A part of the reference has no scan near it: a lost limb, a ball let go.
@@ -99,7 +101,7 @@ pub struct EarlierFrames {
 }
 
 impl EarlierFrames {
-    /// The frame becomes one that later ones are compared with.
+    /// Remembers a frame, so that later ones are compared with it.
     pub fn remember(&mut self, report: &FitReport) {
         self.frames += 1;
         self.p95 = self.p95.max(p95(report));
@@ -108,9 +110,9 @@ impl EarlierFrames {
 }
 
 impl FailureTuning {
-    /// Why the motion does not explain a frame whose fit reports this, the plainest reason first;
-    /// `None` where it does. `earlier` are the GoF's earlier P-frames. The fit must have been asked
-    /// for [`Self::measures`].
+    /// Judges the report of a fit. Returns the first reason why the motion does not explain the
+    /// frame, or `None` where it does. `earlier` has the GoF's earlier P-frames. The fit must have
+    /// been asked for [`Self::measures`].
     pub fn judge(&self, report: &FitReport, earlier: &EarlierFrames) -> Option<FitFailure> {
         let measures = report.measures.as_ref()?;
         self.missing(measures)

@@ -1,4 +1,4 @@
-//! What single frames are coded with: λ and quantisers.
+//! Settings of a single frame: λ and quantisers.
 
 use crate::encode::choices::StepChoice;
 use crate::encode::config::EncoderConfig;
@@ -12,7 +12,7 @@ pub(crate) struct FramePlace {
     pub(crate) of: usize,
 }
 
-/// What a P-frame is coded with.
+/// Settings of a P-frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameSettings {
     /// λ of J = D + λR where the frame alone pays: its quantiser steps.

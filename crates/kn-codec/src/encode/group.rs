@@ -1,5 +1,5 @@
-//! One GoF in a closed loop: what is coded is decoded again by the decoder's own
-//! reconstruction, and that is what later frames refer to.
+//! Encoding of one GoF in a closed loop: each coded frame is decoded by the decoder's own
+//! reconstruction, and later frames refer to the decoded frame.
 
 use crate::decode::{Reconstruction, Slot};
 use crate::digest::{faces_digest, positions_digest};
@@ -59,8 +59,8 @@ impl GroupEncoder {
     }
 
     /// Appends the units of a GoF to `out` and a report per frame to `reports`, both in decode
-    /// order; returns the number of frames in the GoF, which ends before a frame that its motion does
-    /// not explain. `first` frames come before it.
+    /// order; returns the number of frames in the GoF, which ends before a frame that its motion
+    /// does not explain. `first` frames come before it.
     ///
     /// # Errors
     /// A frame that cannot be coded.
@@ -343,7 +343,7 @@ struct FrameTask<'a> {
     input_faces: u32,
 }
 
-/// P-frames of a GoF, coded in one way.
+/// The P-frames of a GoF, coded with one combination or with one choice of it.
 #[derive(Default)]
 struct Pass {
     units: Vec<u8>,
@@ -360,19 +360,19 @@ impl Pass {
     }
 }
 
-/// What D is measured by, where it is.
+/// The measure of D; `None` where nothing is chosen by cost.
 fn measure_of(config: &EncoderConfig) -> Option<DistortionMeasure> {
     config.motion.is_by_cost().then_some(config.rate.distortion)
 }
 
-/// Frames a structure; returns the bytes of the unit.
+/// Appends a unit with a structure. Returns its number of bytes.
 fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
     let before = out.len();
     write_unit(out, unit_type, &bits.into_bytes());
     (out.len() - before) as u64
 }
 
-/// Strict mode refuses a GoF whose nodes leave out the region of this label.
+/// The message for a GoF that strict mode refuses: the region of this label has no key node.
 fn without_nodes(label: Option<&u8>) -> String {
     let part = label.and_then(|&label| BodyPart::from_label(label));
     let part = part.map_or("a part".into(), |part| part.to_string());

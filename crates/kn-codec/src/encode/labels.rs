@@ -1,11 +1,11 @@
-//! Body-part labels of frames that have none of their own.
+//! Labels of frames that come without labels.
 
 use crate::encode::choices::LabelChoice;
 use crate::encode::config::EncoderConfig;
 use kn_mesh::Mesh;
 use kn_segment::{SegmentOptions, Segmentation, Segmenter};
 
-/// Labels the frames of a sequence in their order.
+/// Finds the labels of the frames of a sequence, in their order.
 pub(crate) struct Labeller {
     segmenter: Segmenter,
 }

@@ -1,4 +1,4 @@
-//! Frames in, stream out.
+//! The encoder: frames become a stream.
 
 mod choices;
 mod config;

@@ -1,4 +1,4 @@
-//! Motion of P-frames: fit, choose by J = D + λR, quantise.
+//! Coding of the motion of P-frames: fit, choice by J = D + λR, quantisation.
 
 use crate::decode::{Reconstruction, Slot};
 use crate::encode::choices::{CombinationChoice, TranslationChoice};
@@ -23,7 +23,7 @@ pub(crate) struct MotionEncoder {
     /// Reference units in a grid step.
     unit: f64,
     fitter: Option<Fitter>,
-    /// What the GoF's next frame is judged against.
+    /// The GoF's earlier frames, which the next one is compared with.
     earlier: EarlierFrames,
     /// The combination of the GoF's frames, where it is known.
     combination: Option<Combination>,
@@ -35,7 +35,7 @@ pub(crate) struct MotionEncoder {
     nodes: Vec<[f64; 3]>,
 }
 
-/// A P-frame as it is to be coded.
+/// The motion of a P-frame, ready to be written.
 #[derive(Debug)]
 pub(crate) struct CodedMotion {
     pub(crate) motion: MotionFrame,
@@ -69,10 +69,11 @@ impl MotionEncoder {
         self.combination = combination;
     }
 
-    /// The motion from the decoded frame in `from` to `scan`, or why there is none.
+    /// Codes the motion from the decoded frame in `from` to `scan`, or returns why the motion does
+    /// not explain the scan.
     ///
     /// # Errors
-    /// What the fit says.
+    /// The fit fails.
     pub(crate) fn encode(
         &mut self,
         decoded: &mut Reconstruction,
@@ -111,7 +112,7 @@ impl MotionEncoder {
         }))
     }
 
-    /// Which of the candidates' fits explain the frame; why the first does not, where none does.
+    /// The indices of the fits that explain the frame, or the failure of the first where none does.
     fn explained(&mut self, fits: &[Fit]) -> Result<Vec<usize>, FitFailure> {
         let (tuning, earlier) = (&self.tuning.failure, &self.earlier);
         let failures: Vec<_> = fits.iter().map(|fit| tuning.judge(&fit.report, earlier)).collect();
@@ -147,7 +148,7 @@ impl MotionEncoder {
         }
     }
 
-    /// The combinations that this frame may have.
+    /// The combinations that are tried in this frame.
     fn candidates(&self, decoded: &Reconstruction) -> Vec<Combination> {
         match (self.config.motion.combination, self.combination) {
             (CombinationChoice::Fixed(combination), _) | (_, Some(combination)) => {
@@ -160,7 +161,7 @@ impl MotionEncoder {
         }
     }
 
-    /// A fit for every candidate; transforms are in grid steps.
+    /// Fits the frame with every candidate. The transforms are in grid steps.
     fn fit(
         &mut self,
         decoded: &Reconstruction,
@@ -200,7 +201,7 @@ impl MotionEncoder {
     }
 }
 
-/// A frame and what candidates for its motion are judged by.
+/// A frame, and the data that candidates for its motion are judged by.
 struct Frame<'a> {
     digests: bool,
     translation: TranslationChoice,
@@ -266,7 +267,7 @@ impl Frame<'_> {
         CostReport::new(distortion, bytes, self.lambda)
     }
 
-    /// Finer and coarser steps, of some components after the others, as long as J falls.
+    /// Tries finer and coarser steps, one kind of component after the other, as long as J falls.
     fn cheapest_steps(&mut self, transforms: &[NodeTransform], first: Trial) -> Trial {
         let mut best = first;
         for _ in 0..self.tuning.rounds {
@@ -315,8 +316,8 @@ fn to_grid_steps(reference: &[[i32; 3]], unit: f64, positions: &mut Vec<[f64; 3]
     positions.extend(reference.iter().map(|p| p.map(|c| f64::from(c) / unit)));
 }
 
-/// How far from its node a vertex is moved by it, in reference units: the weighted mean distance
-/// over every sixteenth vertex and its nodes.
+/// The mean distance between a vertex and the nodes that move it, in reference units, weighted by
+/// influence. Every sixteenth vertex is measured.
 fn reach(decoded: &Reconstruction, from: Slot) -> f64 {
     let influence = decoded.influence();
     let reference = decoded.reference(from);

@@ -1,4 +1,4 @@
-//! The key nodes of a GoF.
+//! The choice of the key nodes of a GoF.
 
 use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePlacement};
 use crate::encode::config::EncoderConfig;
@@ -47,10 +47,10 @@ impl<'a> NodeChooser<'a> {
         }
     }
 
-    /// Key nodes for a GoF with these P-frames.
+    /// Chooses the key nodes of a GoF with these P-frames.
     ///
     /// # Errors
-    /// What `scans` returns; a mesh without a surface, as `fail` words it.
+    /// A scan cannot be used, or the mesh has no surface; `fail` makes the error.
     pub(crate) fn choose(
         &self,
         scans: &mut Scans,
@@ -87,7 +87,7 @@ impl<'a> NodeChooser<'a> {
         place_farthest(&self.positions, faces, self.regions(), Some(&affine), count)
     }
 
-    /// Nodes by the motion to the key frame; `None` where no frame can be tracked.
+    /// Places nodes by the motion to the key frame. Returns `None` where no frame can be tracked.
     fn generate(
         &self,
         scans: &mut Scans,
@@ -232,7 +232,7 @@ fn bytes(nodes: &KeyNodes) -> usize {
     bits.into_bytes().len()
 }
 
-/// Without labels no part is known to wear cloth: all nodes are rigid.
+/// The affine nodes of a choice by labels. Without labels all nodes are rigid.
 fn affine_nodes(choice: &AffineChoice, labels: &LabelSet) -> AffineNodes {
     match choice {
         AffineChoice::All => AffineNodes::All,

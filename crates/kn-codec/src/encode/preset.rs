@@ -1,4 +1,4 @@
-//! Presets: settings with a name, for the paper's codec and the one that it is compared with. A
+//! Presets: named settings, for the paper's codec and for the codec that it is compared with. A
 //! study that changes one setting names it in its own configuration (`docs/rd/ablation.toml`).
 
 use crate::encode::choices::{
@@ -8,7 +8,7 @@ use crate::encode::config::EncoderConfig;
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};
 use kn_fit::PartStart;
 
-/// Settings with a name. All of them write streams that any decoder reads: none is a build flag.
+/// A named set of settings. Any decoder reads the streams of any preset.
 #[derive(Clone, Copy, Debug)]
 pub struct Preset {
     name: &'static str,
@@ -16,7 +16,7 @@ pub struct Preset {
     change: fn(&mut EncoderConfig),
 }
 
-/// The only list of presets: a new one is a new entry here.
+/// The list of presets. A new preset is a new entry here.
 const PRESETS: &[Preset] = &[
     Preset {
         name: "default",
@@ -60,22 +60,22 @@ impl Preset {
         PRESETS
     }
 
-    /// The preset of that name.
+    /// The preset with this name; `None` where there is none.
     pub fn by_name(name: &str) -> Option<&'static Self> {
         PRESETS.iter().find(|preset| preset.name == name)
     }
 
-    /// What it is called.
+    /// The name of the preset.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// What sets it apart, in a sentence.
+    /// A sentence that describes the preset.
     pub fn about(&self) -> &'static str {
         self.about
     }
 
-    /// Its settings.
+    /// The settings of the preset.
     pub fn config(&self) -> EncoderConfig {
         let mut config = EncoderConfig::default().with_nodes(NodeChoice::Fixed(NODES));
         (self.change)(&mut config);

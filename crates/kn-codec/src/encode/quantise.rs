@@ -1,4 +1,4 @@
-//! From fitted transforms to quantised motion: steps, and rotation, scale and shear.
+//! Quantisation of fitted transforms: the steps, and rotations, scales and shears.
 
 use crate::encode::choices::StepChoice;
 use crate::encode::frame_settings::Quantisers;
@@ -47,7 +47,7 @@ impl Steps {
     }
 }
 
-/// Where steps may go from.
+/// The range in which steps are searched.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepRange {
     pub(crate) quantisers: Quantisers,
@@ -106,7 +106,7 @@ fn nearest(wanted: f64, step: impl Fn(u8) -> i64) -> u8 {
 const ONE: f64 = 65536.0;
 /// Largest quantised value that a Huffman code carries.
 const MAX_VALUE: f64 = (HUFFMAN_VALUE_LIMIT - 1) as f64;
-/// Angles and stretches stay inside the decoder's bounds by more than half a step.
+/// The encoder's bound of angles: inside the decoder's bound by more than half a step.
 const ANGLE_BOUND: f64 = 3.2;
 const STRETCH_BOUND: f64 = 4.0;
 const SCALE_BOUNDS: (f64, f64) = (0.1, 4.0);
@@ -156,20 +156,21 @@ pub(crate) fn quantise_parameters(
     motion.parameter_table = motion.entropy_mode.best_table(&parameters).0;
 }
 
-/// A parameter step as a number.
+/// The quantiser step of an index, as a number.
 pub(crate) fn unit_step(index: u8) -> f64 {
     parameter_step(index) as f64 / ONE
 }
 
-/// The nearest quantised value, the upper of two, so that a prediction by whole steps leaves it what
-/// it was; towards zero where the nearest would leave `bound` or the code.
+/// Quantises a value to the nearest step. Of two the upper is taken, so that a prediction by whole
+/// steps does not change the result. Where the nearest would be beyond `bound` or the code, the
+/// value is rounded towards zero.
 pub(crate) fn quantised(value: f64, step: f64, bound: f64) -> i32 {
     let most = (bound / step).floor().min(MAX_VALUE);
     // A NaN, which no fit should give, becomes zero.
     (value / step + 0.5).floor().clamp(-most, most) as i32
 }
 
-/// S' = S − 1; a scale stays positive.
+/// Quantises S' = S − 1. The scale stays positive.
 fn quantised_scale(scale: f64, step: f64) -> i32 {
     let q = quantised(scale.clamp(SCALE_BOUNDS.0, SCALE_BOUNDS.1) - 1.0, step, STRETCH_BOUND);
     if 1.0 + f64::from(q) * step > 0.0 { q } else { q + 1 }

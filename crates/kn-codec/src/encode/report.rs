@@ -1,4 +1,4 @@
-//! What an encoder tells about its frames.
+//! Reports of the encoder about its frames.
 
 use crate::decode::FrameKind;
 use crate::encode::failure::FitFailure;
@@ -7,7 +7,7 @@ use kn_bitstream::params::{Combination, TranslationMode};
 use kn_bitstream::{MotionFrame, translation_step};
 use kn_segment::Segmentation;
 
-/// What became of one frame.
+/// The report of one frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FrameReport {
@@ -17,13 +17,13 @@ pub enum FrameReport {
     Predicted(PredictedReport),
 }
 
-/// What every coded frame has.
+/// The part of a report that I-frames and P-frames share.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CodedFrame {
     /// Place in the sequence, from 0: display order.
     pub index: u64,
-    /// Place in the stream, from 0: decode order. Equal to `index` today.
+    /// Place in the stream, from 0: decode order. Equal to `index` in streams of this version.
     pub decode_index: u64,
     /// Bytes of the frame's units; a GoF's key nodes count with its first P-frame.
     pub bytes: u64,
@@ -33,53 +33,54 @@ pub struct CodedFrame {
     pub faces: u32,
     /// Faces of the input frame.
     pub input_faces: u32,
-    /// What the segmentation found, where it was asked for labels; the labels are not kept.
+    /// The result of the segmentation, without its labels; `None` where it did not run.
     pub parts: Option<Segmentation>,
 }
 
-/// What became of a frame that is an I-frame.
+/// The report of an I-frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct IntraReport {
-    /// What every coded frame has.
+    /// The part that all frames have.
     pub frame: CodedFrame,
     /// Largest distance from a vertex of the scan to the decimated surface, before quantisation,
     /// world units; 0 where nothing was decimated.
     pub decimation_error: f64,
-    /// `#V` decoded vertex of each vertex of the input frame, or [`crate::DROPPED`], where
-    /// [`crate::IntraConfig::vertex_maps`] asks for it.
+    /// `#V` of the input frame: the decoded vertex of each vertex, or [`crate::DROPPED`]. `None`
+    /// unless [`crate::IntraConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
-    /// Why it begins its GoF early: what the motion could not explain. `None` where the GoF
-    /// before was full, and at the first frame.
+    /// The reason why the GoF before ended early. `None` where that GoF was full, and at the first
+    /// frame.
     pub reason: Option<FitFailure>,
 }
 
-/// What became of a frame that is a P-frame.
+/// The report of a P-frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PredictedReport {
-    /// What every coded frame has.
+    /// The part that all frames have.
     pub frame: CodedFrame,
-    /// Of its bytes, those of the key nodes; 0 but in the first P-frame of a GoF.
+    /// Bytes of the key nodes, which are part of the frame's bytes; 0 except in the first P-frame
+    /// of a GoF.
     pub node_bytes: u64,
-    /// Key nodes of the GoF.
+    /// Number of key nodes of the GoF.
     pub nodes: u32,
-    /// Of these, affine ones.
+    /// Number of affine key nodes among them.
     pub affine_nodes: u32,
     /// Components of affine nodes.
     pub combination: Combination,
-    /// What translations are predicted from.
+    /// Prediction of the translations.
     pub translation: TranslationMode,
     /// Quantiser steps.
     pub steps: StepReport,
-    /// What the frame costs, where anything was chosen by cost.
+    /// Cost of the frame; `None` where nothing was chosen by cost.
     pub cost: Option<CostReport>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units.
     pub fit_rms: f64,
 }
 
 impl FrameReport {
-    /// What every coded frame has.
+    /// The part that all frames have.
     pub fn frame(&self) -> &CodedFrame {
         match self {
             Self::Intra(report) => &report.frame,
@@ -94,7 +95,7 @@ impl FrameReport {
         }
     }
 
-    /// I or P.
+    /// Whether the frame is an I-frame or a P-frame.
     pub fn kind(&self) -> FrameKind {
         match self {
             Self::Intra(_) => FrameKind::Intra,
@@ -102,7 +103,7 @@ impl FrameReport {
         }
     }
 
-    /// The report of an I-frame.
+    /// The report, where the frame is an I-frame.
     pub fn intra(&self) -> Option<&IntraReport> {
         match self {
             Self::Intra(report) => Some(report),
@@ -110,7 +111,7 @@ impl FrameReport {
         }
     }
 
-    /// The report of a P-frame.
+    /// The report, where the frame is a P-frame.
     pub fn predicted(&self) -> Option<&PredictedReport> {
         match self {
             Self::Predicted(report) => Some(report),
@@ -122,13 +123,13 @@ impl FrameReport {
 /// Quantiser steps of a P-frame; 0 where no node carries the component.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// Of translations, in grid steps.
+    /// Quantiser step of translations, in grid steps.
     pub translation: f64,
-    /// Of angles, in radians.
+    /// Quantiser step of angles, in radians.
     pub rotation: f64,
-    /// Of scales.
+    /// Quantiser step of scales.
     pub scale: f64,
-    /// Of shears.
+    /// Quantiser step of shears.
     pub shear: f64,
 }
 
@@ -148,7 +149,7 @@ impl StepReport {
     }
 }
 
-/// J = D + λR of a P-frame.
+/// The cost J = D + λR of a P-frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CostReport {
     /// D, as [`crate::DistortionMeasure`] says.
@@ -159,7 +160,7 @@ pub struct CostReport {
     pub total: f64,
 }
 
-/// What became of the sequence.
+/// Totals of a sequence.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Number of frames.

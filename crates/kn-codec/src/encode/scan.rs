@@ -1,4 +1,4 @@
-//! The scans of a GoF: what P-frames are fitted to and measured against.
+//! The scans of a GoF. P-frames are fitted to them and measured against them.
 
 use crate::encode::choices::DistortionMeasure;
 use crate::encode::tuning::SurrogateTuning;
@@ -17,7 +17,7 @@ pub(crate) struct Scan {
     tuning: SurrogateTuning,
 }
 
-/// How scans become [`Scan`]s.
+/// Options of the preparation of scans.
 #[derive(Clone, Copy)]
 pub(crate) struct ScanOptions {
     pub(crate) grid: Grid,
@@ -77,7 +77,7 @@ impl Scan {
     }
 }
 
-/// The scans of a GoF's P-frames, prepared when their turn comes.
+/// The scans of a GoF's P-frames. Each is prepared when its turn comes.
 pub(crate) struct Scans<'a> {
     meshes: &'a [Mesh],
     options: ScanOptions,
@@ -124,7 +124,7 @@ impl<'a> Scans<'a> {
     }
 }
 
-/// World positions in grid steps.
+/// Converts world positions to grid steps.
 pub(crate) fn to_grid_steps(positions: &[[f32; 3]], grid: Grid) -> Vec<[f64; 3]> {
     let step = |p: &[f32; 3]| -> [f64; 3] {
         std::array::from_fn(|axis| (f64::from(p[axis]) - grid.origin[axis]) / grid.step)

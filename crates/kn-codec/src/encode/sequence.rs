@@ -1,4 +1,4 @@
-//! From the settings and the first frame to the sequence header.
+//! Makes the sequence header from the settings and the first frame.
 
 use crate::encode::config::{EncoderConfig, GridChoice, step_of_bits};
 use crate::error::EncodeError;
@@ -6,10 +6,10 @@ use kn_bitstream::params::LabelSet;
 use kn_bitstream::{Level, SequenceHeader};
 use kn_mesh::{BoundingBox, Grid, Mesh};
 
-/// The header of a sequence that begins with `first`, which is sound and has a vertex.
+/// Makes the header of a sequence that begins with `first`, a sound mesh with at least one vertex.
 ///
 /// # Errors
-/// A first frame that no level holds.
+/// The first frame is too large for every level, or has no grid.
 pub(crate) fn sequence_header(
     config: &EncoderConfig,
     first: &Mesh,
@@ -63,7 +63,7 @@ fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
     }
 }
 
-/// The first frame does not go with the settings.
+/// The error for a first frame that does not fit the settings.
 fn unfit(reason: String) -> EncodeError {
     EncodeError::Input { frame: 0, reason }
 }

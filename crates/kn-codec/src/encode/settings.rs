@@ -1,9 +1,9 @@
-//! Settings that cannot be: out of their range, or in contradiction to each other.
+//! Errors of settings that are out of their range or contradict each other.
 
 use std::fmt;
 use strum::{AsRefStr, Display, VariantArray};
 
-/// A setting of [`crate::EncoderConfig`], as errors name it: the path of its field, and in
+/// The name of a setting of [`crate::EncoderConfig`] in errors: the path of its field, and in
 /// parentheses the case where the field has several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, AsRefStr, Display, VariantArray)]
 #[non_exhaustive]
@@ -55,7 +55,7 @@ pub enum Setting {
     Distortion,
 }
 
-/// Settings that no stream can be encoded with.
+/// The error for settings that no stream can be encoded with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SettingsError {
     settings: Vec<Setting>,
@@ -69,13 +69,14 @@ impl SettingsError {
         Self { settings: settings.to_vec(), sentence: sentence.into() }
     }
 
-    /// The settings that are concerned: one that is out of its range, or those that contradict each
-    /// other.
+    /// The settings that the error is about: one that is out of its range, or those that contradict
+    /// each other.
     pub fn settings(&self) -> &[Setting] {
         &self.settings
     }
 
-    /// The sentence with the settings named by `name`, as a command line names its flags.
+    /// The sentence of the error, in which `name` gives the names of the settings. A command line
+    /// gives its flags.
     pub fn describe<N: fmt::Display>(&self, name: impl Fn(Setting) -> N) -> String {
         let named = |sentence: String, (place, &setting): (usize, &Setting)| {
             sentence.replace(&format!("{{{place}}}"), &name(setting).to_string())

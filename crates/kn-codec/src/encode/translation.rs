@@ -1,4 +1,4 @@
-//! Translations of a P-frame: what they are predicted from, and their quantised values.
+//! Coding of the translations of a P-frame: their prediction and their quantised values.
 
 use crate::decode::Translations;
 use crate::encode::choices::TranslationChoice;
@@ -49,7 +49,7 @@ fn modes(choice: TranslationChoice, before: &Translations) -> &'static [Translat
 /// A frame's translations in one mode.
 struct Trial {
     mode: TranslationMode,
-    /// Of the values and the changes.
+    /// Number of bits of the values and the changes.
     bits: u64,
     table: u8,
     changes: Vec<[i32; 3]>,

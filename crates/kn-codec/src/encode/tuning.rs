@@ -1,9 +1,9 @@
-//! Numbers that the encoder decides by, and where each comes from. No number here changes what a
-//! decoder does.
+//! Numbers that the encoder decides by, each with its source. No number here changes what a decoder
+//! does.
 
 use crate::encode::failure::FailureTuning;
 
-/// What the encoder decides by, beyond what its settings say.
+/// Numbers that the encoder decides by and that are no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Tuning {
     /// When a frame begins a new GoF.
@@ -20,7 +20,7 @@ pub(crate) struct Tuning {
     pub(crate) decimation: DecimationTuning,
 }
 
-/// How many key nodes a GoF has, and which of them are affine. The numbers of bytes and
+/// Numbers for the choice of key nodes and of affine nodes. The numbers of bytes and
 /// `distortion` lie where J is least on six sequences (`docs/notes/fit.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NodeTuning {
@@ -82,8 +82,8 @@ impl Default for SurrogateTuning {
     }
 }
 
-/// The search for quantiser steps (`docs/notes/choice.md`, `docs/notes/translation.md`). Indices are
-/// those of the specification's families of steps, four to an octave.
+/// The search for quantiser steps (`docs/notes/choice.md`, `docs/notes/translation.md`). Indices
+/// are those of the specification's families of steps, four to an octave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StepTuning {
     /// The step where the search begins, in grid steps.

@@ -14,15 +14,15 @@ use kn_fit::MAX_NODES;
 use kn_mesh::BoundingBox;
 use std::ops::RangeInclusive;
 
-/// Bits of a grid's longest side.
+/// Range of the number of bits for the longest side of the box.
 const BITS: RangeInclusive<u8> = 4..=20;
-/// Q (`header.nodes.range`).
+/// Range of Q (`header.nodes.range`).
 const NODES_PER_VERTEX: RangeInclusive<u8> = 1..=8;
-/// Most fractional bits (`header.fraction.range`).
+/// Largest number of fractional bits (`header.fraction.range`).
 const MAX_FRACTION_BITS: u8 = 8;
-/// Most digits of a name (`header.names.digits`).
+/// Largest number of digits of a name (`header.names.digits`).
 const MAX_DIGITS: u8 = 9;
-/// Most bytes of a name's prefix.
+/// Largest number of bytes of a name's prefix.
 const MAX_PREFIX: usize = 255;
 
 type Checked = Result<(), SettingsError>;
@@ -31,7 +31,7 @@ impl EncoderConfig {
     /// Checks that every setting is in its range and that no two contradict each other.
     ///
     /// # Errors
-    /// The first that does not hold, in a sentence that names the settings.
+    /// The first check that fails, as a sentence that names the settings.
     pub fn validate(&self) -> Checked {
         let Self { sequence, intra, motion, rate } = self;
         check_sequence(sequence)?;
@@ -46,7 +46,7 @@ impl EncoderConfig {
     }
 }
 
-/// The sentence of a setting that is out of its range.
+/// Checks one setting, and makes the sentence where it is out of its range.
 fn in_range(setting: Setting, holds: bool, rule: &str, value: impl std::fmt::Display) -> Checked {
     require(holds, &[setting], || format!("{{0}} is {value}; it must be {rule}"))
 }
@@ -104,7 +104,8 @@ fn check_bounds(bounds: Option<BoundingBox>) -> Checked {
     in_range(Setting::Bounds, sound, "finite, with no side below 0", value)
 }
 
-/// A step that leaves something of the box, and not more than coordinates can number.
+/// Checks that a step is smaller than the box, and that coordinates can number the steps of the
+/// box.
 fn check_step(step: f64, bounds: &BoundingBox) -> Checked {
     let side = bounds.longest_side();
     let pair = [Setting::Step, Setting::Bounds];
@@ -187,7 +188,7 @@ fn check_rate(rate: &RateConfig) -> Checked {
     in_range(Setting::Lambda, holds, "0 or more", rate.lambda)
 }
 
-/// Only I-frames that are neither decimated nor smoothed give coordinates back.
+/// Checks lossless settings: I-frames must be neither decimated nor smoothed.
 fn check_lossless(sequence: &SequenceConfig, intra: &IntraConfig) -> Checked {
     if !matches!(sequence.grid, GridChoice::Lossless(_)) {
         return Ok(());
@@ -211,7 +212,7 @@ fn check_lossless(sequence: &SequenceConfig, intra: &IntraConfig) -> Checked {
     })
 }
 
-/// A step belongs to a component that some node carries.
+/// Checks that each step belongs to a component that some node carries.
 fn check_components(motion: &MotionConfig) -> Checked {
     let fixed = match motion.combination {
         CombinationChoice::Fixed(combination) => Some(combination),
@@ -241,7 +242,7 @@ fn check_components(motion: &MotionConfig) -> Checked {
     })
 }
 
-/// D is measured only where something is chosen by it.
+/// Checks that a measure of D is set only where something is chosen by it.
 fn check_measure(motion: &MotionConfig, rate: &RateConfig) -> Checked {
     let settings = [Setting::Distortion, Setting::TranslationStep, Setting::Combination];
     let measured = motion.is_by_cost() || rate.distortion == DistortionMeasure::Surrogate;

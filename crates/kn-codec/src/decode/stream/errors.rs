@@ -1,4 +1,4 @@
-//! What the decoder's errors say: the rule, the bit of the file and the frame.
+//! Errors of the decoder, with the rule, the bit of the file and the frame.
 
 use super::StreamDecoder;
 use crate::error::{DecodeError, DecodeErrorKind};
@@ -48,12 +48,12 @@ impl StreamDecoder {
     }
 }
 
-/// A broken rule at a bit of the file.
+/// The error for a rule that is broken at a bit of the file.
 pub(super) fn malformed(rule: Rule, at: u64, frame: Option<u64>) -> DecodeError {
     DecodeErrorKind::Malformed { rule, at, frame }.into()
 }
 
-/// An error of the bitstream, its bit counted from the start of the file.
+/// The error for an error of the bitstream, whose bit is counted from the start of the file.
 pub(super) fn place(error: Error, frame: Option<u64>) -> DecodeError {
     let at = error.bit;
     match error.kind {

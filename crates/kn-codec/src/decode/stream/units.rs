@@ -16,7 +16,7 @@ use kn_bitstream::{
 };
 
 impl StreamDecoder {
-    /// Decodes a unit that comes in order; `payload_start` is a bit of the file.
+    /// Decodes a unit whose place in the order is correct. `payload_start` is a bit of the file.
     pub(super) fn decode_unit(
         &mut self,
         unit: &Unit<'_>,
@@ -75,7 +75,7 @@ impl StreamDecoder {
         Ok(self.finish_frame(FrameKind::Intra))
     }
 
-    /// A new GoF begins at the current unit.
+    /// Begins a GoF at the current unit.
     fn begin_group(&mut self) -> Result<(), DecodeError> {
         self.close_group()?;
         self.group_start = self.offset;
@@ -83,7 +83,7 @@ impl StreamDecoder {
         Ok(())
     }
 
-    /// The last GoF ends before the current unit. No index can match one of 4 GiB or more.
+    /// Ends the last GoF before the current unit. No index can describe a GoF of 4 GiB or more.
     fn close_group(&mut self) -> Result<(), DecodeError> {
         let bytes = u32::try_from(self.offset - self.group_start);
         let bytes = bytes.map_err(|_| self.malformed(rule::INDEX_GROUPS_MATCH, 8 * self.offset))?;
@@ -166,7 +166,7 @@ impl StreamDecoder {
         }
     }
 
-    /// The frame of the current unit differs from a digest in it.
+    /// The error for a frame that differs from a digest in its unit.
     fn differs(&self, rule: Rule) -> DecodeError {
         DecodeErrorKind::Digest { rule, at: 8 * self.offset, frame: self.decoded }.into()
     }
