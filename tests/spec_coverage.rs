@@ -33,6 +33,7 @@ const WITHOUT_RULE: &[(&str, &str)] = &[
     ("01-conventions.md", "A worked example gives the structure"),
     ("02-descriptors.md", "In table 8 the first symbols"),
     ("06-semantics.md", "The elements in the order of the tables"),
+    ("06-semantics.md", "Which values an element may have stands"),
     ("06-semantics.md", "The rules of 3.1 and 3.2 apply."),
     ("06-semantics.md", "The values of a P-frame are in chapter 7."),
     ("08-deformation.md", "Rounding to a grid makes a fine mesh bumpier"),

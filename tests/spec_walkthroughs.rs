@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use kn_bitstream::range::{BinaryCoder, BitModel, RangeDecoder};
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraLimits, decode_intra, encode_intra};
 use kn_deform::{BindOptions, Deformer, Influence, NodeTransform, bind, sin_cos};
 use kn_mesh::GridMesh;
 
@@ -20,12 +20,10 @@ fn walkthrough(chapter: &str, kind: &str) -> Vec<String> {
 }
 
 /// The payload of a tetrahedron, in which every symbol but the first is forced.
-fn tetrahedron() -> Vec<u8> {
+fn tetrahedron() -> IntraEncoding {
     let positions = vec![[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]];
     let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
-    let mut payload = Vec::new();
-    encode_intra(&GridMesh::new(positions, faces), &mut payload).expect("a mesh");
-    payload
+    encode_intra(&GridMesh::new(positions, faces)).expect("a mesh")
 }
 
 /// Chapter 4 as it is written, with a model of its own.
@@ -59,9 +57,8 @@ impl LiteralModel {
 fn the_decisions_of_chapter_4_are_those_of_a_tetrahedron() {
     let lines = walkthrough("04-entropy-range.md", "decisions");
     let names: Vec<&str> = lines[1..].iter().filter_map(|l| l.split_whitespace().next()).collect();
-    let payload = tetrahedron();
-    let (header, connectivity) = (11, usize::from(payload[8]));
-    let section = &payload[header..header + connectivity];
+    let encoding = tetrahedron();
+    let section = &encoding.connectivity[..];
     let mut decoder = RangeDecoder::new(section);
     let mut models: BTreeMap<&str, (BitModel, LiteralModel)> = BTreeMap::new();
     let byte = |at: usize| u64::from(section.get(at).copied().unwrap_or(0));
@@ -95,7 +92,9 @@ fn the_decisions_of_chapter_4_are_those_of_a_tetrahedron() {
 fn the_conquest_of_chapter_5_is_that_of_a_tetrahedron() {
     let limits = IntraLimits { max_vertices: 4, max_faces: 4 };
     let mut mesh = GridMesh::default();
-    decode_intra(&tetrahedron(), &limits, &mut IntraDecoder::default(), &mut mesh).expect("sound");
+    let encoding = tetrahedron();
+    decode_intra(&encoding.payload(), &limits, &mut IntraDecoder::default(), &mut mesh)
+        .expect("sound");
     let lines = walkthrough("05-intra.md", "conquest");
     // The triangle is in the last brackets but one, what its corners lack in the last.
     let triples = |line: &String| -> Vec<[u32; 3]> {
@@ -211,10 +210,11 @@ fn eighths(x: i64) -> i64 {
 
 #[test]
 fn the_vertex_of_chapter_5_is_predicted_as_written() {
-    let payload = tetrahedron();
+    let encoding = tetrahedron();
     let limits = IntraLimits { max_vertices: 4, max_faces: 4 };
     let mut mesh = GridMesh::default();
-    decode_intra(&payload, &limits, &mut IntraDecoder::default(), &mut mesh).expect("sound");
+    decode_intra(&encoding.payload(), &limits, &mut IntraDecoder::default(), &mut mesh)
+        .expect("sound");
     let written = literal_prediction(&mesh.positions);
     let lines = walkthrough("05-intra.md", "prediction");
     assert_eq!(lines, written, "\n{}", written.join("\n"));

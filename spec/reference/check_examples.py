@@ -65,7 +65,7 @@ def read(what, known, data):
     elif what == "frame_header":
         syntax.frame_header(r, syntax.Elements())
     elif what == "intra_frame":
-        syntax.intra_frame(r)
+        syntax.intra_frame(r, header_of(known).limits)
     elif what == "key_nodes":
         syntax.key_nodes(r, header_of(known), known["VertexCount"])
     elif what == "motion_frame":

@@ -5,70 +5,10 @@ from array import array
 from collections import deque
 from itertools import islice
 
-from bits import Refused, read_uleb, require
+from bits import require
 from range_coder import Section, clamp, divide
 
 NONE = -1
-
-
-class Header:
-    """5.1"""
-
-    NUMBERS = (
-        "vertex_count",
-        "isolated_count",
-        "face_count",
-        "raw_face_count",
-        "component_count",
-        "join_count",
-        "connectivity_size",
-        "geometry_size",
-        "label_size",
-    )
-
-    def __init__(self, payload):
-        at = 0
-
-        def next_byte():
-            nonlocal at
-            require(at < len(payload), "intra.header", "the payload ends inside its header")
-            at += 1
-            return payload[at - 1]
-
-        # r[intra.header]
-        flags = next_byte()
-        require(flags & ~3 == 0, "intra.header", "a flag that is not known")
-        self.labels_present = flags & 1
-        self.lattice_present = flags >> 1 & 1
-        # r[intra.header.attributes]
-        require(next_byte() == 0, "intra.header.attributes", "attribute_count is not 0")
-        for name in self.NUMBERS:
-            try:
-                setattr(self, name, read_uleb(next_byte, name))
-            except Refused as error:
-                raise Refused("intra.header", str(error)) from None
-        self.size = at
-
-        require(
-            self.vertex_count + self.face_count <= 2048 * len(payload),
-            "intra.counts.density",
-            "more vertices and faces than the payload can hold",
-        )
-        require(
-            self.isolated_count <= self.vertex_count, "intra.vertices.count", "isolated_count > vertex_count"
-        )
-        require(self.raw_face_count <= self.face_count, "intra.faces.count", "raw_face_count > face_count")
-        self.F = self.face_count - self.raw_face_count
-        require(self.component_count <= self.F, "intra.faces.count", "component_count > F")
-        require(self.join_count <= 3 * self.F, "intra.join.order", "join_count > 3 F")
-        require(
-            at + self.connectivity_size + self.geometry_size + self.label_size == len(payload),
-            "intra.sections.size",
-            "the sections do not fill the payload",
-        )
-        require(
-            self.labels_present or self.label_size == 0, "intra.sections.size", "a label section without labels"
-        )
 
 
 class Mesh:
@@ -80,29 +20,21 @@ class Mesh:
         self.labels = labels
 
 
-def decode(payload, check_counts):
-    """Decodes intra_payload. check_counts(header) may refuse before any space is taken."""
-    header = Header(payload)
-    check_counts(header)
-    sections = []
-    at = header.size
-    for size in (header.connectivity_size, header.geometry_size, header.label_size):
-        sections.append(payload[at : at + size])
-        at += size
-
-    section = Section(sections[0])
+def decode(header):
+    """Decodes what syntax.intra_payload has read."""
+    section = Section(header.connectivity_section)
     net = Connectivity(header, section)
     faces = net.faces()
     section.finish()
 
-    section = Section(sections[1])
+    section = Section(header.geometry_section)
     geometry = Geometry(header, section, net)
     section.finish()
     positions = geometry.positions()
 
     labels = None
     if header.labels_present:
-        section = Section(sections[2])
+        section = Section(header.label_section)
         labels = Labels(header, section, net, geometry).labels()
         section.finish()
     return Mesh(positions, faces, labels)

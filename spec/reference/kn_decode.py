@@ -144,7 +144,7 @@ class Decoder:
             self.end_unit(r)
         elif unit.type == INTRA_FRAME:
             self.end_group(unit.start)
-            f = syntax.intra_frame(r)
+            f = syntax.intra_frame(r, self.header.limits)
             self.end_unit(r)
             self.decode_intra(f, unit.start)
         elif unit.type == KEY_NODES:
@@ -178,22 +178,12 @@ class Decoder:
 
     def decode_intra(self, f, start):
         """6.4"""
-        limits = self.header.limits
-
-        def check_counts(mesh_header):
-            require(
-                mesh_header.vertex_count <= limits["max_vertices"]
-                and mesh_header.face_count <= limits["max_faces"],
-                "intra.size.level",
-                "more vertices or faces than the level allows",
-            )
-            require(
-                bool(mesh_header.labels_present) == (self.header.label_set != 0),
-                "intra.labels.present",
-                "labels where there shall be none, or none where there shall be",
-            )
-
-        mesh = intra.decode(f.intra_payload, check_counts)
+        require(
+            bool(f.payload.labels_present) == (self.header.label_set != 0),
+            "intra.labels.present",
+            "labels where there shall be none, or none where there shall be",
+        )
+        mesh = intra.decode(f.payload)
         if mesh.labels is None:
             mesh.labels = [0] * len(mesh.positions)
         for label in mesh.labels:

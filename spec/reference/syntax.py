@@ -110,7 +110,7 @@ def frame_header(r, f):
     return f
 
 
-def intra_frame(r):
+def intra_frame(r, limits):
     """3.5 and 6.4"""
     f = frame_header(r, Elements())
     f.faces_digest = r.u(64, "faces_digest") if f.digest_present else None
@@ -119,8 +119,50 @@ def intra_frame(r):
         f.smoothing_strength <= 5, "intra.smoothing.range", f"smoothing_strength {f.smoothing_strength}"
     )
     f.intra_size = r.uleb("intra_size")
-    f.intra_payload = r.bytes(f.intra_size, "intra_payload")
+    f.payload = intra_payload(r, f.intra_size, limits)
     return f
+
+
+def intra_payload(r, size, limits):
+    """3.5 and 5.1"""
+    p = Elements()
+    start = r.position
+    require(r.u(6, "reserved_zero") == 0, "intra.reserved.zero", "reserved_zero is not 0")
+    p.lattice_present = r.u(1, "lattice_present")
+    p.labels_present = r.u(1, "labels_present")
+    require(r.u(8, "attribute_count") == 0, "intra.header.attributes", "attribute_count is not 0")
+    p.vertex_count = r.uleb("vertex_count")
+    require(p.vertex_count <= limits["max_vertices"], "intra.size.level", "more vertices than the level allows")
+    p.isolated_count = r.uleb("isolated_count")
+    require(p.isolated_count <= p.vertex_count, "intra.vertices.count", "isolated_count > vertex_count")
+    p.face_count = r.uleb("face_count")
+    require(p.face_count <= limits["max_faces"], "intra.size.level", "more faces than the level allows")
+    require(
+        p.vertex_count + p.face_count <= 2048 * size,
+        "intra.counts.density",
+        "more vertices and faces than the payload can hold",
+    )
+    p.raw_face_count = r.uleb("raw_face_count")
+    require(p.raw_face_count <= p.face_count, "intra.faces.count", "raw_face_count > face_count")
+    p.F = p.face_count - p.raw_face_count
+    p.component_count = r.uleb("component_count")
+    require(p.component_count <= p.F, "intra.faces.count", "component_count > F")
+    p.join_count = r.uleb("join_count")
+    require(p.join_count <= 3 * p.F, "intra.join.order", "join_count > 3 F")
+    p.connectivity_size = r.uleb("connectivity_size")
+    p.geometry_size = r.uleb("geometry_size")
+    p.label_size = r.uleb("label_size")
+    require(p.labels_present or p.label_size == 0, "intra.sections.size", "a label section without labels")
+    header_bytes = (r.position - start) // 8
+    require(
+        header_bytes + p.connectivity_size + p.geometry_size + p.label_size == size,
+        "intra.sections.size",
+        "the sections do not fill the payload",
+    )
+    p.connectivity_section = r.bytes(p.connectivity_size, "connectivity_section")
+    p.geometry_section = r.bytes(p.geometry_size, "geometry_section")
+    p.label_section = r.bytes(p.label_size, "label_section")
+    return p
 
 
 def key_nodes(r, header, vertex_count):

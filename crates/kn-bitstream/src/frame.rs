@@ -1,6 +1,8 @@
 //! The frame header and the I-frame (chapters 3.4 and 3.5).
 
 use crate::error::Error;
+use crate::intra::IntraPayload;
+use crate::level::Level;
 use crate::params::name_text;
 use crate::reader::BitReader;
 use crate::rule;
@@ -53,7 +55,7 @@ impl FrameHeader {
 /// Greatest strength of smoothing (`intra.smoothing.range`).
 pub const MAX_SMOOTHING: u8 = 5;
 
-/// An I-frame: the coded mesh is chapter 5's business.
+/// An I-frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntraFrame<'a> {
     /// What stands before every frame.
@@ -63,12 +65,13 @@ pub struct IntraFrame<'a> {
     /// How strongly the decoded positions are smoothed, 0 to [`MAX_SMOOTHING`]; 0 is not at all.
     pub smoothing: u8,
     /// The coded mesh.
-    pub payload: &'a [u8],
+    pub payload: IntraPayload<'a>,
 }
 
 impl<'a> IntraFrame<'a> {
-    /// Reads the frame from a unit's payload; the caller calls [`BitReader::finish`].
-    pub fn read(bits: &mut BitReader<'a, '_>) -> Result<Self, Error> {
+    /// Reads the frame of a stream of this level from a unit's payload; the caller calls
+    /// [`BitReader::finish`].
+    pub fn read(bits: &mut BitReader<'a, '_>, level: &Level) -> Result<Self, Error> {
         let mut header = FrameHeader::default();
         header.read(bits)?;
         let digest_present = header.positions_digest.is_some();
@@ -76,7 +79,7 @@ impl<'a> IntraFrame<'a> {
         let smoothing = bits.u8("smoothing_strength", 8)?;
         bits.require(smoothing <= MAX_SMOOTHING, rule::INTRA_SMOOTHING_RANGE)?;
         let size = bits.uleb("intra_size")?;
-        let payload = bits.bytes("intra_payload", size)?;
+        let payload = IntraPayload::read(bits, size, level)?;
         Ok(Self { header, faces_digest, smoothing, payload })
     }
 
@@ -88,14 +91,21 @@ impl<'a> IntraFrame<'a> {
             bits.u(digest, 64);
         }
         bits.u(u64::from(self.smoothing), 8);
-        bits.uleb(self.payload.len() as u32);
-        bits.bytes(self.payload);
+        let mut payload = BitWriter::new();
+        self.payload.write(&mut payload);
+        let payload = payload.into_bytes();
+        bits.uleb(payload.len() as u32);
+        bits.bytes(&payload);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn level() -> Level {
+        Level::numbered(0).expect("there is one")
+    }
 
     fn written(frame: &IntraFrame<'_>) -> Vec<u8> {
         let mut bits = BitWriter::new();
@@ -106,14 +116,15 @@ mod tests {
     #[test]
     fn reads_what_it_writes() {
         let named = FrameHeader { name: "first scan".into(), positions_digest: Some(u64::MAX) };
+        let payload = IntraPayload { geometry: &[0; 200], ..IntraPayload::default() };
         let frames = [
-            IntraFrame { header: named, faces_digest: Some(1), smoothing: 5, payload: b"mesh" },
-            IntraFrame { payload: &[0; 200], ..IntraFrame::default() },
+            IntraFrame { header: named, faces_digest: Some(1), smoothing: 5, payload },
+            IntraFrame::default(),
         ];
         for frame in frames {
             let bytes = written(&frame);
             let mut bits = BitReader::new(&bytes);
-            assert_eq!(IntraFrame::read(&mut bits), Ok(frame));
+            assert_eq!(IntraFrame::read(&mut bits, &level()), Ok(frame));
             assert_eq!(bits.finish(), Ok(()));
         }
     }
@@ -122,15 +133,16 @@ mod tests {
     fn a_frame_is_not_called_dot_dot() {
         let header = FrameHeader { name: "..".into(), positions_digest: None };
         let bytes = written(&IntraFrame { header, ..IntraFrame::default() });
-        let error = IntraFrame::read(&mut BitReader::new(&bytes)).expect_err("not a name");
-        assert_eq!(error.rule(), Some(rule::NAME_WHOLE));
+        let error = IntraFrame::read(&mut BitReader::new(&bytes), &level());
+        assert_eq!(error.expect_err("not a name").rule(), Some(rule::NAME_WHOLE));
     }
 
     #[test]
     fn a_payload_longer_than_its_unit_is_refused() {
-        let mut bytes = written(&IntraFrame { payload: b"mesh", ..IntraFrame::default() });
+        let payload = IntraPayload { geometry: b"mesh", ..IntraPayload::default() };
+        let mut bytes = written(&IntraFrame { payload, ..IntraFrame::default() });
         bytes.pop();
-        let error = IntraFrame::read(&mut BitReader::new(&bytes)).expect_err("cut short");
-        assert_eq!(error.rule(), Some(rule::UNIT_SIZE_EXACT));
+        let error = IntraFrame::read(&mut BitReader::new(&bytes), &level());
+        assert_eq!(error.expect_err("cut short").rule(), Some(rule::UNIT_SIZE_EXACT));
     }
 }

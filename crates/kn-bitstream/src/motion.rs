@@ -76,6 +76,23 @@ impl TranslationMode {
     }
 }
 
+/// Which components of affine nodes are enabled.
+fn read_enabled(
+    bits: &mut BitReader<'_, '_>,
+    context: &MotionContext,
+) -> Result<Combination, Error> {
+    let mut enabled = |name| {
+        let flag = bits.flag(name)?;
+        bits.require(!flag || context.affine_count > 0, rule::MOTION_ENABLED_AFFINE)?;
+        Ok(flag)
+    };
+    Ok(Combination {
+        rotation: enabled("rotation_enabled")?,
+        scale: enabled("scale_enabled")?,
+        shear: enabled("shear_enabled")?,
+    })
+}
+
 impl MotionContext {
     /// How many nodes carry rotation, scale and shear.
     pub fn carriers(&self, enabled: Combination) -> [u32; 3] {
@@ -114,11 +131,7 @@ impl MotionFrame {
         let residual_present = bits.flag("residual_present")?;
         bits.require_supported(!residual_present, rule::MOTION_RESIDUAL_KNOWN)?;
         self.translation_mode = TranslationMode::read(bits, context)?;
-        self.enabled.rotation = bits.flag("rotation_enabled")?;
-        self.enabled.scale = bits.flag("scale_enabled")?;
-        self.enabled.shear = bits.flag("shear_enabled")?;
-        let carried = context.affine_count > 0 || self.enabled == Combination::default();
-        bits.require(carried, rule::MOTION_ENABLED_AFFINE)?;
+        self.enabled = read_enabled(bits, context)?;
         self.read_steps(bits, context.carriers(self.enabled))?;
         let lists = self.lists(context);
         self.entropy_mode.read_lists(

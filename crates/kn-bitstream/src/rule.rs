@@ -100,7 +100,7 @@ rules! {
     INTRA_LABELS_PRESENT = "intra.labels.present", "an I-frame must have labels where the sequence has a label set, and none where it has not";
     INTRA_LABELS_RANGE = "intra.labels.range", "every label of an I-frame must be a label of the sequence";
     INTRA_VERTICES_NODES = "intra.vertices.nodes", "an I-frame with key nodes must have at least one vertex";
-    INTRA_HEADER = "intra.header", "the header of an I-frame's mesh must be whole, its reserved flags zero, its numbers in the shortest form";
+    INTRA_RESERVED_ZERO = "intra.reserved.zero", "the reserved bits of an I-frame's mesh must be zero";
     INTRA_HEADER_ATTRIBUTES = "intra.header.attributes", "attribute_count must be 0";
     INTRA_COUNTS_DENSITY = "intra.counts.density", "vertex_count + face_count must be at most 2048 times the bytes of the payload";
     INTRA_VERTICES_COUNT = "intra.vertices.count", "vertex_count must be the number of isolated and coded vertices";

@@ -61,8 +61,9 @@ impl SequenceHeader {
         let limits = Level::numbered(level);
         let limits = limits.ok_or(Error::unsupported(rule::HEADER_LEVEL_KNOWN, bits.position()))?;
         let numerator = bits.uleb("frame_rate_numerator")?;
+        bits.require(numerator > 0, rule::HEADER_RATE_RANGE)?;
         let denominator = bits.uleb("frame_rate_denominator")?;
-        bits.require(numerator > 0 && denominator > 0, rule::HEADER_RATE_RANGE)?;
+        bits.require(denominator > 0, rule::HEADER_RATE_RANGE)?;
         let up_axis = UpAxis::read(bits)?;
         let unit_of_length = UnitOfLength::read(bits)?;
         let fraction_bits = bits.u8("fraction_bits", 4)?;

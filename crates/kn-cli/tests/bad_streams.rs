@@ -88,7 +88,7 @@ fn bytes_after_the_end() {
 fn a_flipped_bit_is_a_crc_error_that_names_the_unit() {
     let (scans, bytes) = encoded();
     let dump = succeeds(["dump", &scans.text("a.knm")]);
-    let intra = elements(&dump).into_iter().filter(|element| element.1 == "intra_payload");
+    let intra = elements(&dump).into_iter().filter(|element| element.1 == "connectivity_section");
     for (byte, ..) in intra {
         let mut bytes = bytes.clone();
         bytes[byte + 40] ^= 0x10;
@@ -130,7 +130,8 @@ fn a_stream_without_a_whole_frame_has_nothing_to_take_in_part() {
     let (scans, bytes) = encoded();
     let dump = succeeds(["dump", &scans.text("a.knm")]);
     let elements = elements(&dump);
-    let intra = elements.iter().find(|element| element.1 == "intra_payload").expect("a frame").0;
+    let intra =
+        elements.iter().find(|element| element.1 == "connectivity_section").expect("a frame").0;
     fs::write(scans.path("cut.knm"), &bytes[..intra + 9]).expect("written");
     let (cut, out) = (scans.text("cut.knm"), scans.text("out"));
     let output = kn(["decode", &cut, "-o", &out, "--partial"]);

@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::announcing;
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
+use common::{announcing, bytes_of, decode_bytes};
+use kn_codec::intra::{IntraLimits, encode_intra};
 use kn_mesh::{Grid, GridMesh};
 use kn_performer::{Performer, PerformerConfig};
 use peak_alloc::PeakAlloc;
@@ -26,12 +26,11 @@ const LIMITS: IntraLimits = IntraLimits { max_vertices: 1 << 21, max_faces: 1 <<
 
 /// Greatest number of bytes held at once while a new decoder takes the payload.
 fn peak(payload: &[u8]) -> usize {
-    let mut mesh = GridMesh::default();
-    let mut decoder = IntraDecoder::default();
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
     // Refused or not: only memory counts here.
-    let _ = decode_intra(payload, &LIMITS, &mut decoder, &mut mesh);
+    let decoded = decode_bytes(payload, &LIMITS);
+    drop(decoded);
     ALLOCATOR.peak_usage().saturating_sub(before)
 }
 
@@ -42,8 +41,7 @@ fn performer() -> (GridMesh, Vec<u8>) {
     let grid = Grid { origin: bounds.min, step: bounds.longest_side() / 2047.0 };
     let positions = grid.quantise(&mesh.positions).expect("inside");
     let mesh = mesh.with_positions(positions);
-    let mut payload = Vec::new();
-    encode_intra(&mesh, &mut payload).expect("a sound mesh");
+    let payload = bytes_of(&encode_intra(&mesh).expect("a sound mesh"));
     (mesh, payload)
 }
 
@@ -87,8 +85,7 @@ fn memory_is_bounded_by_the_payload() {
     // Triangles that touch nothing: three more of a dummy close each, as many as there may be.
     let count = 20_000;
     let apart: GridMesh = triangles_apart(count);
-    let mut payload = Vec::new();
-    encode_intra(&apart, &mut payload).expect("a sound mesh");
+    let payload = bytes_of(&encode_intra(&apart).expect("a sound mesh"));
     let peak = peak(&payload);
     eprintln!("triangles apart: {peak} bytes, {} a face", peak / count);
     assert!(peak <= PER_FACE * count + PER_VERTEX * 3 * count + FIXED);

@@ -2,10 +2,9 @@
 
 mod common;
 
-use common::announcing;
+use common::{announcing, bytes_of, decode_bytes};
 use kn_bitstream::rule;
-use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraError, IntraLimits};
-use kn_codec::intra::{decode_intra, encode_intra};
+use kn_codec::intra::{IntraEncoding, IntraError, IntraLimits, encode_intra};
 use kn_mesh::{Grid, GridMesh};
 use kn_performer::{Performer, PerformerConfig};
 use proptest::prelude::*;
@@ -14,8 +13,7 @@ use std::path::{Path, PathBuf};
 const LIMITS: IntraLimits = IntraLimits { max_vertices: 1 << 20, max_faces: 1 << 20 };
 
 fn decode(bytes: &[u8]) -> Result<GridMesh, IntraError> {
-    let mut mesh = GridMesh::default();
-    decode_intra(bytes, &LIMITS, &mut IntraDecoder::default(), &mut mesh).map(|()| mesh)
+    decode_bytes(bytes, &LIMITS)
 }
 
 /// Faces begun at their lowest corner, in ascending order.
@@ -28,8 +26,8 @@ fn canonical(faces: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
 
 /// Encodes, decodes and compares; returns the payload and what the encoder says of it.
 fn round_trip(mesh: &GridMesh) -> (Vec<u8>, IntraEncoding) {
-    let mut bytes = Vec::new();
-    let encoding = encode_intra(mesh, &mut bytes).expect("encodes");
+    let encoding = encode_intra(mesh).expect("encodes");
+    let bytes = bytes_of(&encoding);
     let decoded = decode(&bytes).expect("decodes");
     let map = &encoding.vertex_map;
     assert_eq!(decoded.positions.len(), mesh.positions.len());
@@ -173,17 +171,17 @@ fn the_report_names_what_was_cut() {
     let mesh = GridMesh::new((0..8).map(|i| [i, i * i, 3 * i]).collect(), faces);
     let (_, encoding) = round_trip(&mesh);
     assert_eq!(encoding.cut_edges, 1);
-    assert_eq!(encoding.raw_faces, 1);
-    assert_eq!(encoding.isolated_vertices, 3);
-    assert_eq!(encoding.cut_vertices, 4);
-    assert_eq!(encoding.components, 3);
+    assert_eq!(encoding.header.raw_face_count, 1);
+    assert_eq!(encoding.header.isolated_count, 3);
+    assert_eq!(encoding.header.join_count, 4);
+    assert_eq!(encoding.header.component_count, 3);
 }
 
 #[test]
 fn empty_meshes_and_bad_input() {
     round_trip(&GridMesh::default());
     round_trip(&GridMesh::new(vec![[-1_048_575, 0, 1_048_575]], vec![]));
-    let refused = |mesh: &GridMesh| encode_intra(mesh, &mut Vec::new()).expect_err("refused");
+    let refused = |mesh: &GridMesh| encode_intra(mesh).expect_err("refused");
     let mut mesh = GridMesh::new(vec![[0, 0, 0], [0, 1 << 20, 0]], vec![]);
     assert_eq!(refused(&mesh), IntraError::Outside { vertex: 1 });
     mesh.positions[1] = [1; 3];
@@ -197,12 +195,11 @@ fn empty_meshes_and_bad_input() {
 #[test]
 fn limits_hold_before_anything_is_allocated() {
     let mesh = GridMesh::new(vec![[0; 3]; 100], sheet(8, [false, false]));
-    let mut bytes = Vec::new();
-    encode_intra(&mesh, &mut bytes).expect("encodes");
+    let bytes = bytes_of(&encode_intra(&mesh).expect("encodes"));
     let limits = IntraLimits { max_vertices: 99, max_faces: 1000 };
-    let refused = decode_intra(&bytes, &limits, &mut IntraDecoder::default(), &mut mesh.clone());
+    let refused = decode_bytes(&bytes, &limits);
     let expected = IntraError::Limit { what: "vertices", asked: 100, allowed: 99 };
-    assert_eq!(refused, Err(expected));
+    assert_eq!(refused.map(drop), Err(expected));
 }
 
 #[test]
@@ -274,7 +271,7 @@ fn scans_come_back() {
 }
 
 fn label_bits(mesh: &GridMesh) -> f64 {
-    8.0 * round_trip(mesh).1.label_bytes as f64 / mesh.positions.len() as f64
+    8.0 * round_trip(mesh).1.labels.len() as f64 / mesh.positions.len() as f64
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub(crate) struct TextElements<'c> {
     unit_start: u64,
     /// Where `unit_size` goes, if it was left out.
     size_at: Option<usize>,
+    /// Where `intra_size` goes, if it was left out.
+    intra_size_at: Option<usize>,
     /// Where `index_size` goes, if it was left out.
     index_size_at: Option<usize>,
     /// Start and number of frames of every GoF so far.
@@ -60,6 +62,7 @@ impl<'c> TextElements<'c> {
             sink: BitSink::default(),
             unit_start: 0,
             size_at: None,
+            intra_size_at: None,
             index_size_at: None,
             groups: Vec::new(),
         };
@@ -110,7 +113,8 @@ impl<'c> TextElements<'c> {
     /// The value of an element that was left out.
     fn automatic(&mut self, name: &str) -> Option<Value> {
         let next_bytes = |element: &str| {
-            let line = self.lines.front().filter(|line| line.name == element)?;
+            let mut of_unit = self.lines.iter().take_while(|line| line.name != "unit_type");
+            let line = of_unit.find(|line| line.name == element)?;
             let Value::Bytes(bytes) = &line.values.front()?.value else { return None };
             Some(Value::Integer(bytes.len() as i64))
         };
@@ -129,7 +133,13 @@ impl<'c> TextElements<'c> {
                 self.index_size_at = Some((self.sink.position() / 8) as usize);
                 Some(Value::Word(0))
             }
-            "intra_size" => next_bytes("intra_payload"),
+            "intra_size" => {
+                self.intra_size_at = Some((self.sink.position() / 8) as usize);
+                Some(Value::Integer(0))
+            }
+            "connectivity_size" => next_bytes("connectivity_section"),
+            "geometry_size" => next_bytes("geometry_section"),
+            "label_size" => next_bytes("label_section"),
             "name_length" => next_bytes("name"),
             "name_prefix_length" => next_bytes("name_prefix"),
             "group_count" => Some(Value::Integer(self.groups.len() as i64)),
@@ -147,47 +157,6 @@ impl<'c> TextElements<'c> {
             "group_frames" => Some(Value::Integer(frames as i64)),
             _ => None,
         }
-    }
-
-    fn write(&mut self, place: &Place<'_>, value: &Value) -> Result<(), Failure> {
-        let at = self.sink.position();
-        let argument = u32::try_from(place.argument).unwrap_or(0);
-        let wrong = || Failure::new(at, format!("{} cannot be {value}", place.name));
-        let number = value.number();
-        let unsigned = u64::try_from(number).map_err(|_| wrong());
-        match (place.descriptor, value) {
-            (Descriptor::F64, &Value::Float(value)) => self.sink.bits(value.to_bits(), 64),
-            (Descriptor::F64, &Value::Integer(value)) => {
-                self.sink.bits((value as f64).to_bits(), 64);
-            }
-            (Descriptor::F64, &Value::Word(bits)) => self.sink.bits(bits, 64),
-            (Descriptor::Bytes, Value::Bytes(bytes)) => {
-                bytes.iter().for_each(|&byte| self.sink.bits(u64::from(byte), 8));
-            }
-            (_, Value::Float(_) | Value::Bytes(_)) | (Descriptor::Bytes, _) => return Err(wrong()),
-            (Descriptor::U, _) => self.sink.bits(unsigned?, argument),
-            (Descriptor::Uleb, _) => write_uleb(&mut self.sink, unsigned?),
-            (Descriptor::Rice, _) => write_rice(&mut self.sink, unsigned?, argument),
-            (Descriptor::Srice, _) => {
-                let code = if number < 0 { -2 * number - 1 } else { 2 * number };
-                write_rice(&mut self.sink, code as u64, argument);
-            }
-            (Descriptor::Huffman, _) => {
-                let code = self.codes.code(place.argument).ok_or_else(wrong)?;
-                let value = number as i64;
-                let (length, bits) = code.of_value(value);
-                self.sink.bits(bits, length);
-                if value.abs() > code.max_magnitude {
-                    write_ue(
-                        &mut self.sink,
-                        (value.abs() - code.max_magnitude - 1) as u64,
-                        code.escape_order,
-                    );
-                    self.sink.bit(value < 0);
-                }
-            }
-        }
-        Ok(())
     }
 
     fn note_unit(&mut self, unit_type: i128) {
@@ -220,9 +189,10 @@ impl Elements for TextElements<'_> {
         };
         match given.and_then(|given| given.bits) {
             Some(bits) => bits.iter().for_each(|&bit| self.sink.bit(bit)),
-            // The size is put in when it is known.
+            // The sizes are put in when they are known.
             None if place.name == "unit_size" && self.size_at.is_some() => {}
-            None => self.write(place, &value)?,
+            None if place.name == "intra_size" && self.intra_size_at.is_some() => {}
+            None => write_element(&mut self.sink, self.codes, place, &value)?,
         }
         if place.name == "unit_type" {
             self.note_unit(value.number());
@@ -239,6 +209,11 @@ impl Elements for TextElements<'_> {
     }
 
     fn end_structure(&mut self, unit: OpenUnit) -> Result<(), Failure> {
+        if let Some(at) = self.intra_size_at.take() {
+            let mut uleb = BitSink::default();
+            write_uleb(&mut uleb, self.sink.position() / 8 - at as u64);
+            self.sink.insert(at, uleb.as_bytes());
+        }
         if let Some(bits) = self.given("pad").and_then(|given| given.bits) {
             bits.iter().for_each(|&bit| self.sink.bit(bit));
         }
@@ -267,6 +242,49 @@ impl TextElements<'_> {
         let reason = format!("{found} where {}{indices} belongs", place.name);
         Failure::new(self.sink.position(), reason)
     }
+}
+
+/// Writes an element by its descriptor.
+pub(crate) fn write_element(
+    sink: &mut BitSink,
+    codes: &Codes,
+    place: &Place<'_>,
+    value: &Value,
+) -> Result<(), Failure> {
+    let at = sink.position();
+    let argument = u32::try_from(place.argument).unwrap_or(0);
+    let wrong = || Failure::new(at, format!("{} cannot be {value}", place.name));
+    let number = value.number();
+    let unsigned = u64::try_from(number).map_err(|_| wrong());
+    match (place.descriptor, value) {
+        (Descriptor::F64, &Value::Float(value)) => sink.bits(value.to_bits(), 64),
+        (Descriptor::F64, &Value::Integer(value)) => {
+            sink.bits((value as f64).to_bits(), 64);
+        }
+        (Descriptor::F64, &Value::Word(bits)) => sink.bits(bits, 64),
+        (Descriptor::Bytes, Value::Bytes(bytes)) => {
+            bytes.iter().for_each(|&byte| sink.bits(u64::from(byte), 8));
+        }
+        (_, Value::Float(_) | Value::Bytes(_)) | (Descriptor::Bytes, _) => return Err(wrong()),
+        (Descriptor::U, _) => sink.bits(unsigned?, argument),
+        (Descriptor::Uleb, _) => write_uleb(sink, unsigned?),
+        (Descriptor::Rice, _) => write_rice(sink, unsigned?, argument),
+        (Descriptor::Srice, _) => {
+            let code = if number < 0 { -2 * number - 1 } else { 2 * number };
+            write_rice(sink, code as u64, argument);
+        }
+        (Descriptor::Huffman, _) => {
+            let code = codes.code(place.argument).ok_or_else(wrong)?;
+            let value = number as i64;
+            let (length, bits) = code.of_value(value);
+            sink.bits(bits, length);
+            if value.abs() > code.max_magnitude {
+                write_ue(sink, (value.abs() - code.max_magnitude - 1) as u64, code.escape_order);
+                sink.bit(value < 0);
+            }
+        }
+    }
+    Ok(())
 }
 
 fn write_uleb(sink: &mut BitSink, mut value: u64) {
@@ -344,13 +362,16 @@ fn parse_bits(text: &str) -> Option<Vec<bool>> {
 
 /// The text of a stream: what may be left out is left out, arrays stand on one line.
 pub(crate) fn text_of(trace: &[TraceLine]) -> String {
-    const LEFT_OUT: [&str; 11] = [
+    const LEFT_OUT: [&str; 14] = [
         "file_signature",
         "reserved_zero",
         "unit_size",
         "unit_crc",
         "index_size",
         "intra_size",
+        "connectivity_size",
+        "geometry_size",
+        "label_size",
         "name_length",
         "name_prefix_length",
         "group_count",

@@ -43,8 +43,12 @@ impl Environment {
             }
             "affine_label" => self.affine_labels.push(value),
             "affine_node" => self.affine_flags += value,
-            "translation_mode" => self.derive_parts(value == 2, labels),
-            "shear_enabled" => self.derive_counts(labels),
+            "reference_mode" => self.derive_first(),
+            "translation_mode" => {
+                self.derive_parts(value == 2, labels);
+                self.derive_affine(labels);
+            }
+            "shear_enabled" => self.derive_counts(),
             _ => {}
         }
     }
@@ -60,21 +64,35 @@ impl Environment {
         }
     }
 
-    fn derive_counts(&mut self, labels: &dyn Fn() -> Option<Vec<u8>>) {
+    /// Whether a P-frame is the first of its group; an example says so by what it gives.
+    fn derive_first(&mut self) {
+        let known = |name| self.get(name).is_some();
+        let first = !known("translation_table") && (known("node_count") || !known("PreviousTable"));
+        self.set("IsFirst", i128::from(first));
+    }
+
+    fn derive_affine(&mut self, labels: &dyn Fn() -> Option<Vec<u8>>) {
+        if self.get("AffineCount").is_some() {
+            return;
+        }
         let known = |name| self.get(name).unwrap_or(0);
-        let nodes = known("NodeCount");
         let marked = |label: &&u8| self.affine_labels.get(usize::from(**label)) == Some(&1);
-        let affine = self.get("AffineCount").unwrap_or_else(|| match known("affine_mode") {
+        let affine = match known("affine_mode") {
             0 => 0,
             1 => labels().unwrap_or_default().iter().filter(marked).count() as i128,
-            2 => nodes,
+            2 => known("NodeCount"),
             _ => self.affine_flags,
-        });
+        };
+        self.set("AffineCount", affine);
+    }
+
+    fn derive_counts(&mut self) {
+        let known = |name| self.get(name).unwrap_or(0);
+        let (nodes, affine) = (known("NodeCount"), known("AffineCount"));
         let rigid = nodes - affine;
         let of_affine = |flag| if self.get(flag) == Some(1) { affine } else { 0 };
         let rotations = rigid + of_affine("rotation_enabled");
         let (scales, shears) = (of_affine("scale_enabled"), of_affine("shear_enabled"));
-        self.set("AffineCount", affine);
         self.set("RotationCount", rotations);
         self.set("ScaleCount", scales);
         self.set("ShearCount", shears);

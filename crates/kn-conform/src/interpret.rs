@@ -1,10 +1,12 @@
 //! Walks the syntax tables: over bits they parse a stream, over a text they assemble one.
 
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 
 use crate::environment::Environment;
-use crate::ranges;
-use crate::syntax::{Descriptor, Expression, Statement, Syntax};
+use crate::expression::{Expression, Variable, apply, call};
+use crate::ranges::{Part, Range};
+use crate::syntax::{Descriptor, Element, Statement, Syntax};
 use crate::tables::Table;
 use crate::value::{Failure, TraceLine, Value};
 
@@ -101,16 +103,13 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     ) -> Result<(), Failure> {
         for statement in block {
             match statement {
-                Statement::Element { name, indices, descriptor, argument } => {
-                    let argument = self.evaluate(argument, counters)?;
-                    let index = |i: &String| counters.get(i.as_str()).copied().unwrap_or(0);
-                    let indices: Vec<u32> = indices.iter().map(index).collect();
-                    let descriptor = *descriptor;
-                    self.element(&Place { name, indices: &indices, descriptor, argument })?;
-                }
-                Statement::Assign(name, expression) => {
+                Statement::Element(element) => self.element(element, counters)?,
+                Statement::Assign(variable, expression, ranges) => {
                     let value = self.evaluate(expression, counters)?;
-                    self.environment.set(name, value);
+                    self.environment.set(&key(variable, counters), value);
+                    let bit = self.elements.position();
+                    let value = Value::Integer(i64::try_from(value).unwrap_or(i64::MAX));
+                    self.check(ranges, &variable.name, &value, bit, counters)?;
                 }
                 Statement::If(condition, body) => {
                     let holds = self.evaluate(condition, counters)? != 0;
@@ -138,17 +137,56 @@ impl<'i, E: Elements> Interpreter<'i, E> {
         Ok(())
     }
 
-    fn element(&mut self, place: &Place<'_>) -> Result<(), Failure> {
+    fn element(
+        &mut self,
+        element: &'i Element,
+        counters: &HashMap<&str, u32>,
+    ) -> Result<(), Failure> {
+        let argument = self.evaluate(&element.argument, counters)?;
+        let index = |i: &String| counters.get(i.as_str()).copied().unwrap_or(0);
+        let indices: Vec<u32> = element.indices.iter().map(index).collect();
+        let (name, descriptor) = (element.name.as_str(), element.descriptor);
         let bit = self.elements.position();
-        let value = self.elements.element(place)?;
+        let value =
+            self.elements.element(&Place { name, indices: &indices, descriptor, argument })?;
         let trace = &self.trace;
         let labels = || (self.labels)(trace);
-        self.environment.read(place.name, value.number(), &labels);
-        if let Some(levels) = self.levels {
-            ranges::check(&mut self.environment, levels, place, &value, bit)?;
+        self.environment.read(name, value.number(), &labels);
+        self.check(&element.ranges, name, &value, bit, counters)?;
+        self.trace.push(TraceLine { bit, name: name.to_owned(), indices, value });
+        Ok(())
+    }
+
+    /// Refuses a value outside its ranges, where they are checked at all.
+    fn check(
+        &mut self,
+        ranges: &[Range],
+        name: &str,
+        value: &Value,
+        bit: u64,
+        counters: &HashMap<&str, u32>,
+    ) -> Result<(), Failure> {
+        if self.levels.is_none() {
+            return Ok(());
         }
-        let (name, indices) = (place.name.to_owned(), place.indices.to_vec());
-        self.trace.push(TraceLine { bit, name, indices, value });
+        for range in ranges {
+            let mut allowed = false;
+            for part in &range.parts {
+                allowed |= match part {
+                    Part::Word(word) => word.allows(value),
+                    Part::Between(low, high) => {
+                        let low = self.evaluate(low, counters)?;
+                        let high = high.as_ref().map(|high| self.evaluate(high, counters));
+                        let high = high.transpose()?.unwrap_or(i128::MAX);
+                        (low..=high).contains(&value.number())
+                    }
+                };
+            }
+            if !allowed {
+                let reason = format!("{name} cannot be {value}");
+                return Err(Failure::of_rule(bit, range.rule, reason));
+            }
+        }
         Ok(())
     }
 
@@ -166,22 +204,38 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     ) -> Result<i128, Failure> {
         Ok(match expression {
             Expression::Number(value) => *value,
-            Expression::Name(name) => {
-                let counter = counters.get(name.as_str()).map(|&index| i128::from(index));
-                let value = counter.or_else(|| self.environment.get(name));
-                value.ok_or_else(|| self.failure(format!("{name} is not known here")))?
+            Expression::Name(variable) => {
+                let counter = counters.get(variable.name.as_str()).map(|&i| i128::from(i));
+                let value = counter.or_else(|| self.environment.get(&key(variable, counters)));
+                let value = value.or_else(|| self.limit(&variable.name));
+                value.ok_or_else(|| self.failure(format!("{variable} is not known here")))?
             }
-            Expression::Function(name) => match name.as_str() {
-                "more_data" => i128::from(self.elements.more_data()),
-                "position" => i128::from(self.elements.position()),
-                _ => return Err(self.failure(format!("there is no function {name}()"))),
-            },
+            Expression::Function(name, arguments) => {
+                let arguments = arguments.iter().map(|argument| self.evaluate(argument, counters));
+                let arguments = arguments.collect::<Result<Vec<_>, _>>()?;
+                match name.as_str() {
+                    "more_data" => i128::from(self.elements.more_data()),
+                    "position" => i128::from(self.elements.position()),
+                    _ => call(name, &arguments)
+                        .ok_or_else(|| self.failure(format!("{name}() has no value here")))?,
+                }
+            }
             Expression::Binary(operator, left, right) => {
                 let left = self.evaluate(left, counters)?;
                 let right = self.evaluate(right, counters)?;
-                apply(operator, left, right)
+                let value = apply(operator, left, right);
+                value.ok_or_else(|| self.failure(format!("{expression} has no value")))?
             }
         })
+    }
+
+    /// A limit of the stream's level, or the number of the highest level.
+    fn limit(&self, name: &str) -> Option<i128> {
+        let levels = self.levels?;
+        match name {
+            "HighestLevel" => Some(levels.rows.len() as i128 - 1),
+            _ => level_limit(levels, self.environment.get("level"), name),
+        }
     }
 
     fn failure(&self, reason: String) -> Failure {
@@ -189,17 +243,19 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     }
 }
 
-fn apply(operator: &str, left: i128, right: i128) -> i128 {
-    match operator {
-        "||" => i128::from(left != 0 || right != 0),
-        "&&" => i128::from(left != 0 && right != 0),
-        "==" => i128::from(left == right),
-        "!=" => i128::from(left != right),
-        ">=" => i128::from(left >= right),
-        "<=" => i128::from(left <= right),
-        ">" => i128::from(left > right),
-        "<" => i128::from(left < right),
-        "+" => left + right,
-        _ => left - right,
+/// What a variable is kept by.
+fn key<'v>(variable: &'v Variable, counters: &HashMap<&str, u32>) -> Cow<'v, str> {
+    if !variable.is_kept_by_index() {
+        return Cow::Borrowed(&variable.name);
     }
+    let index = |i: &String| counters.get(i.as_str()).copied().unwrap_or(0);
+    let indices = variable.indices.iter().map(|i| format!("[{}]", index(i)));
+    Cow::Owned(variable.name.clone() + &indices.collect::<String>())
+}
+
+/// A limit of a level, `None` for what is none; the highest level's where the level is not known.
+fn level_limit(levels: &Table, level: Option<i128>, column: &str) -> Option<i128> {
+    let at = levels.columns.iter().position(|name| name == column)?;
+    let row = level.and_then(|level| levels.rows.get(usize::try_from(level).ok()?));
+    row.or(levels.rows.last()).map(|row| i128::from(row[at]))
 }

@@ -1,14 +1,14 @@
 //! The labels of a GoF's key nodes (6.5), as the text says it.
 
-use crate::oracle::decode_mesh;
-use crate::value::{TraceLine, Value};
+use crate::oracle::{Payload, decode_mesh};
+use crate::value::TraceLine;
 
 /// The label of every node of the last key nodes, from all elements so far; `None` where they
 /// cannot be found.
 pub fn node_labels(trace: &[TraceLine]) -> Option<Vec<u8>> {
     let last = |name: &str| trace.iter().rposition(|line| line.name == name);
-    let Value::Bytes(payload) = &trace[last("intra_payload")?].value else { return None };
-    let mesh = decode_mesh(payload).ok()?;
+    let payload = Payload::of(|name| Some(&trace[last(name)?].value))?;
+    let mesh = decode_mesh(&payload).ok()?;
     let nodes = &trace[last("node_count")?..];
     let values = |name: &str| -> Vec<i64> {
         let of_name = nodes.iter().filter(|line| line.name == name);

@@ -147,10 +147,6 @@ impl Elements for StreamElements<'_> {
             let end = i128::from(self.bits.position()) + 8 * value.number();
             self.bits.end_at(u64::try_from(end).ok());
         }
-        let unknown = matches!(value.number(), 0 | 6..=127);
-        if place.name == "unit_type" && unknown {
-            return Err(Failure::of_rule(start, rule::UNIT_TYPE_KNOWN, "reserved"));
-        }
         if place.name == "unit_crc" {
             let unit = self.bits.between(self.unit_start, start);
             if value.number() != i128::from(crc32(unit)) {

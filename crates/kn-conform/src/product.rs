@@ -33,7 +33,7 @@ pub fn example_written(example: &Example) -> Result<Vec<u8>, Error> {
     let mut out = BitWriter::new();
     match example.structure.as_str() {
         "sequence_header" => SequenceHeader::read(&mut bits)?.write(&mut out),
-        "intra_frame" => IntraFrame::read(&mut bits)?.write(&mut out),
+        "intra_frame" => IntraFrame::read(&mut bits, &level(example))?.write(&mut out),
         "key_nodes" => KeyNodes::read(&mut bits, &nodes_context(example))?.write(&mut out),
         "index" => read_index(example, &mut bits)?.write(&mut out),
         "frame_header" => {
@@ -58,7 +58,7 @@ fn read_structure(example: &Example, bits: &mut BitReader<'_, '_>) -> Result<(),
     match example.structure.as_str() {
         "sequence_header" => SequenceHeader::read(bits).map(drop),
         "frame_header" => FrameHeader::default().read(bits),
-        "intra_frame" => IntraFrame::read(bits).map(drop),
+        "intra_frame" => IntraFrame::read(bits, &level(example)).map(drop),
         "key_nodes" => KeyNodes::read(bits, &nodes_context(example)).map(drop),
         "motion_frame" => MotionFrame::default().read(bits, &motion_context(example)),
         "index" => read_index(example, bits).map(drop),
@@ -97,8 +97,15 @@ fn given(example: &Example, name: &str) -> Option<u32> {
     u32::try_from(*value).ok()
 }
 
+/// The level that is given, or the highest.
+fn level(example: &Example) -> Level {
+    let (given, levels) = (given(example, "level"), Level::all());
+    let matches = |(number, _): &(u8, Level)| given.is_none_or(|level| level == u32::from(*number));
+    levels.filter(matches).last().map_or_else(|| panic!("no such level"), |(_, level)| level)
+}
+
 fn nodes_context(example: &Example) -> KeyNodesContext {
-    let level = Level::numbered(given(example, "level").unwrap_or(0) as u8);
+    let level = level(example);
     KeyNodesContext {
         label_count: given(example, "LabelCount").unwrap_or(1),
         weight_scheme: match given(example, "weight_scheme") {
@@ -107,7 +114,7 @@ fn nodes_context(example: &Example) -> KeyNodesContext {
             _ => WeightScheme::InverseSquare,
         },
         vertex_count: given(example, "VertexCount").unwrap_or(u32::MAX),
-        max_nodes: level.map_or(0, |level| level.max_nodes),
+        max_nodes: level.max_nodes,
     }
 }
 

@@ -2,10 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use kn_mesh::GridMesh;
+
 use crate::assemble::{TextElements, text_of};
 use crate::bits::BitSource;
-use crate::interpret::{Interpreter, NodeLabels};
+use crate::environment::Environment;
+use crate::interpret::{Elements, Interpreter, NodeLabels};
 use crate::labels::node_labels;
+use crate::oracle::{Payload, decode_mesh};
 use crate::parse::StreamElements;
 use crate::spec::{Example, Spec};
 use crate::syntax::{Syntax, SyntaxError};
@@ -67,12 +71,26 @@ impl Spec {
         let elements = StreamElements::new(bits, &self.codes);
         let interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
         let mut interpreter = interpreter.strictly(&self.levels);
-        for (name, value) in &example.given {
-            interpreter.environment.set(name, i128::from(*value));
-        }
+        know(&mut interpreter.environment, example);
         interpreter.run(table)?;
         interpreter.elements.finish()?;
         Ok(interpreter.trace)
+    }
+
+    /// The mesh of an I-frame's payload by the tables, with their ranges, and a literal reading of
+    /// chapters 4 and 5; the level is the highest.
+    pub fn decode_mesh(&self, payload: &[u8]) -> Result<GridMesh, Failure> {
+        let elements = StreamElements::new(BitSource::of_structure(payload), &self.codes);
+        let interpreter = Interpreter::new(&self.syntax, crate::no_labels(), elements);
+        let mut interpreter = interpreter.strictly(&self.levels);
+        interpreter.environment.set("intra_size", payload.len() as i128);
+        interpreter.run("intra_payload")?;
+        let end = interpreter.elements.position();
+        interpreter.elements.finish()?;
+        let element = |name: &str| interpreter.trace.iter().find(|line| line.name == name);
+        let read = Payload::of(|name| Some(&element(name)?.value));
+        let read = read.ok_or_else(|| Failure::new(end, "the table lacks an element"))?;
+        decode_mesh(&read).map_err(|rule| Failure::of_rule(end, rule, "the mesh breaks it"))
     }
 
     /// The bytes of an example, assembled from its trace.
@@ -88,24 +106,33 @@ impl Spec {
         }
         let elements = TextElements::new(&text, &self.codes)?;
         let mut interpreter = Interpreter::new(&syntax, crate::no_labels(), elements);
-        for (name, value) in &example.given {
-            interpreter.environment.set(name, i128::from(*value));
-        }
+        know(&mut interpreter.environment, example);
         interpreter.run(table)?;
         interpreter.elements.finish()
     }
 
     /// The tables and the name of the one to read an example with; a lone descriptor gets a table
     /// of its own with the one element `value`.
-    fn example_table<'e>(&self, example: &'e Example) -> Result<(Syntax, &'e str), SyntaxError> {
+    pub(crate) fn example_table<'e>(
+        &self,
+        example: &'e Example,
+    ) -> Result<(Syntax, &'e str), SyntaxError> {
         match example.structure.strip_prefix("descriptor ") {
             None => Ok((self.syntax.clone(), &example.structure)),
             Some(descriptor) => {
                 let mut syntax = Syntax::default();
-                syntax.add(&format!("descriptor() {{\nvalue {descriptor}\n}}"))?;
+                syntax.add(&format!("descriptor() {{\nvalue  {descriptor}\n}}"))?;
                 Ok((syntax, "descriptor"))
             }
         }
+    }
+}
+
+/// What is known before an example (1.4).
+pub(crate) fn know(environment: &mut Environment, example: &Example) {
+    environment.set("UnitBegin", -16);
+    for (name, value) in &example.given {
+        environment.set(name, i128::from(*value));
     }
 }
 

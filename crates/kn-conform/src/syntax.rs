@@ -1,7 +1,11 @@
 //! The syntax tables of chapter 3 as a tree.
 
 use std::collections::BTreeMap;
-use std::fmt;
+
+use kn_bitstream::Rule;
+
+use crate::expression::{Expression, Variable};
+use crate::ranges::Range;
 
 /// All tables by name.
 #[derive(Clone, Debug, Default)]
@@ -20,10 +24,10 @@ pub struct SyntaxError {
 /// One line or block of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Statement {
-    /// `name[i][j]  descriptor(argument)`
-    Element { name: String, indices: Vec<String>, descriptor: Descriptor, argument: Expression },
-    /// `Name = expression`
-    Assign(String, Expression),
+    /// `name[i][j]  descriptor(argument)  range  r[rule]`
+    Element(Element),
+    /// `Name = expression  range  r[rule]`
+    Assign(Variable, Expression, Vec<Range>),
     /// `if (condition) { … }`
     If(Expression, Vec<Statement>),
     /// `while (condition) { … }`
@@ -32,6 +36,17 @@ pub(crate) enum Statement {
     For(String, Expression, Vec<Statement>),
     /// `name()`
     Call(String),
+}
+
+/// A syntax element of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Element {
+    pub(crate) name: String,
+    /// Names of the counters that index it.
+    pub(crate) indices: Vec<String>,
+    pub(crate) descriptor: Descriptor,
+    pub(crate) argument: Expression,
+    pub(crate) ranges: Vec<Range>,
 }
 
 /// Descriptors of chapter 2.
@@ -44,28 +59,6 @@ pub(crate) enum Descriptor {
     Rice,
     Srice,
     Huffman,
-}
-
-/// An expression over names and numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Expression {
-    Number(i128),
-    Name(String),
-    /// A function without arguments: `more_data()`, `position()`.
-    Function(String),
-    Binary(&'static str, Box<Expression>, Box<Expression>),
-}
-
-impl fmt::Display for Expression {
-    /// As in a table; parentheses that only repeat the precedence are left out.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(value) => write!(f, "{value}"),
-            Self::Name(name) => f.write_str(name),
-            Self::Function(name) => write!(f, "{name}()"),
-            Self::Binary(operator, left, right) => write!(f, "{left} {operator} {right}"),
-        }
-    }
 }
 
 impl Syntax {
@@ -97,13 +90,37 @@ impl Syntax {
                     Statement::While(_, body) | Statement::For(_, _, body) => {
                         walk(body, table, conditions);
                     }
-                    Statement::Element { .. } | Statement::Assign(..) | Statement::Call(_) => {}
+                    Statement::Element(_) | Statement::Assign(..) | Statement::Call(_) => {}
                 }
             }
         }
         let mut conditions = Vec::new();
         self.tables.iter().for_each(|(name, body)| walk(body, name, &mut conditions));
         conditions
+    }
+
+    /// Every range: the element behind which it is checked, and its rule.
+    pub fn ranges(&self) -> Vec<(&str, Rule)> {
+        fn walk<'s>(block: &'s [Statement], last: &mut &'s str, found: &mut Vec<(&'s str, Rule)>) {
+            for statement in block {
+                match statement {
+                    Statement::Element(Element { name, ranges, .. }) => {
+                        *last = name;
+                        found.extend(ranges.iter().map(|range| (*last, range.rule)));
+                    }
+                    Statement::Assign(_, _, ranges) => {
+                        found.extend(ranges.iter().map(|range| (*last, range.rule)));
+                    }
+                    Statement::If(_, body)
+                    | Statement::While(_, body)
+                    | Statement::For(_, _, body) => walk(body, last, found),
+                    Statement::Call(_) => {}
+                }
+            }
+        }
+        let mut found = Vec::new();
+        self.tables.values().for_each(|body| walk(body, &mut "", &mut found));
+        found
     }
 
     /// Names of all tables.
@@ -118,7 +135,7 @@ impl Syntax {
         while let Some(block) = blocks.pop() {
             for statement in block {
                 match statement {
-                    Statement::Element { name, .. } => names.push(name.as_str()),
+                    Statement::Element(element) => names.push(element.name.as_str()),
                     Statement::If(_, body)
                     | Statement::While(_, body)
                     | Statement::For(_, _, body) => blocks.push(body),
@@ -132,7 +149,7 @@ impl Syntax {
     }
 }
 
-fn wrong(line: &str, reason: impl Into<String>) -> SyntaxError {
+pub(crate) fn wrong(line: &str, reason: impl Into<String>) -> SyntaxError {
     SyntaxError { line: line.to_owned(), reason: reason.into() }
 }
 
@@ -147,10 +164,36 @@ fn parse_block<'a>(
         }
         block.push(match line.strip_suffix('{') {
             Some(head) => parse_compound(head.trim(), lines)?,
+            None if line.contains(RULE) => {
+                parse_ranged(line, &mut block)?;
+                continue;
+            }
             None => parse_simple(line)?,
         });
     }
     Err(wrong("", "a brace is not closed"))
+}
+
+/// What begins the rule of a range.
+const RULE: &str = "  r[";
+
+/// A line that ends with a range and its rule; one without anything else ranges over the statement
+/// before it.
+fn parse_ranged(line: &str, block: &mut Vec<Statement>) -> Result<(), SyntaxError> {
+    let (rest, id) = line.rsplit_once(RULE).unwrap_or((line, ""));
+    let rest = rest.trim_end();
+    let (statement, range) = rest.rsplit_once("  ").unwrap_or(("", rest));
+    if !statement.is_empty() {
+        block.push(parse_simple(statement.trim_end())?);
+    }
+    let range = Range::parse(range, id.trim_end_matches(']')).map_err(|why| wrong(line, why))?;
+    match block.last_mut() {
+        Some(Statement::Element(Element { ranges, .. }) | Statement::Assign(_, _, ranges)) => {
+            ranges.push(range);
+            Ok(())
+        }
+        _ => Err(wrong(line, "a range of nothing")),
+    }
 }
 
 fn parse_compound<'a>(
@@ -162,12 +205,12 @@ fn parse_compound<'a>(
         rest.strip_suffix(')')
     };
     if let Some(condition) = inside("if") {
-        Ok(Statement::If(parse_expression(condition)?, parse_block(lines)?))
+        Ok(Statement::If(expression(condition)?, parse_block(lines)?))
     } else if let Some(condition) = inside("while") {
-        Ok(Statement::While(parse_expression(condition)?, parse_block(lines)?))
+        Ok(Statement::While(expression(condition)?, parse_block(lines)?))
     } else if let Some(range) = inside("for") {
         let (variable, bound) = parse_range(range).ok_or_else(|| wrong(head, "not a range"))?;
-        Ok(Statement::For(variable.to_owned(), parse_expression(bound)?, parse_block(lines)?))
+        Ok(Statement::For(variable.to_owned(), expression(bound)?, parse_block(lines)?))
     } else {
         Err(wrong(head, "neither if, while nor for"))
     }
@@ -184,7 +227,7 @@ fn parse_range(text: &str) -> Option<(&str, &str)> {
 
 fn parse_simple(line: &str) -> Result<Statement, SyntaxError> {
     if let Some((name, value)) = line.split_once(" = ") {
-        return Ok(Statement::Assign(name.to_owned(), parse_expression(value)?));
+        return Ok(Statement::Assign(Variable::parse(name), expression(value)?, Vec::new()));
     }
     match line.split_once(char::is_whitespace) {
         None => {
@@ -211,8 +254,13 @@ fn parse_element(element: &str, descriptor: &str) -> Result<Statement, SyntaxErr
     };
     let argument = if argument.is_empty() { "0" } else { argument };
     let indices = indices.map(str::to_owned).collect();
-    let argument = parse_expression(argument)?;
-    Ok(Statement::Element { name: name.to_owned(), indices, descriptor, argument })
+    let argument = expression(argument)?;
+    let (name, ranges) = (name.to_owned(), Vec::new());
+    Ok(Statement::Element(Element { name, indices, descriptor, argument, ranges }))
+}
+
+fn expression(text: &str) -> Result<Expression, SyntaxError> {
+    Expression::parse(text).ok_or_else(|| wrong(text, "not an expression"))
 }
 
 /// `name[i][j]` as `name` and `i`, `j`.
@@ -220,66 +268,6 @@ pub(crate) fn split_indices(element: &str) -> (&str, impl Iterator<Item = &str>)
     let mut parts = element.split('[');
     let name = parts.next().unwrap_or("");
     (name, parts.map(|part| part.trim_end_matches(']')))
-}
-
-/// Operators from the loosest to the tightest; those of one row bind alike, from left to right.
-const OPERATORS: [&[&str]; 4] =
-    [&["||"], &["&&"], &["==", "!=", ">=", "<=", ">", "<"], &["+", "-"]];
-
-fn parse_expression(text: &str) -> Result<Expression, SyntaxError> {
-    let tokens = tokenise(text).ok_or_else(|| wrong(text, "not an expression"))?;
-    let mut rest = tokens.as_slice();
-    let expression = parse_level(&mut rest, 0).ok_or_else(|| wrong(text, "not an expression"))?;
-    if rest.is_empty() { Ok(expression) } else { Err(wrong(text, "more than an expression")) }
-}
-
-fn tokenise(text: &str) -> Option<Vec<&str>> {
-    let mut tokens = Vec::new();
-    let mut rest = text.trim();
-    while let Some(first) = rest.chars().next() {
-        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let length = if is_word(first) {
-            rest.find(|c| !is_word(c)).unwrap_or(rest.len())
-        } else {
-            let symbols = OPERATORS.concat();
-            let symbol =
-                symbols.iter().chain(&["(", ")"]).find(|symbol| rest.starts_with(**symbol));
-            symbol?.len()
-        };
-        let (token, after) = rest.split_at(length);
-        tokens.push(token);
-        rest = after.trim_start();
-    }
-    Some(tokens)
-}
-
-fn parse_level(tokens: &mut &[&str], level: usize) -> Option<Expression> {
-    let Some(operators) = OPERATORS.get(level) else { return parse_atom(tokens) };
-    let mut left = parse_level(tokens, level + 1)?;
-    while let Some(operator) = tokens.first().and_then(|t| operators.iter().find(|o| *o == t)) {
-        *tokens = &tokens[1..];
-        let right = parse_level(tokens, level + 1)?;
-        left = Expression::Binary(operator, Box::new(left), Box::new(right));
-    }
-    Some(left)
-}
-
-fn parse_atom(tokens: &mut &[&str]) -> Option<Expression> {
-    let (first, rest) = tokens.split_first()?;
-    *tokens = rest;
-    if *first == "(" {
-        let inner = parse_level(tokens, 0)?;
-        *tokens = tokens.strip_prefix(&[")"])?;
-        return Some(inner);
-    }
-    if first.starts_with(|c: char| c.is_ascii_digit()) {
-        return first.parse().ok().map(Expression::Number);
-    }
-    if let Some(rest) = tokens.strip_prefix(&["(", ")"]) {
-        *tokens = rest;
-        return Some(Expression::Function((*first).to_owned()));
-    }
-    first.starts_with(|c: char| c.is_ascii_alphabetic()).then(|| Expression::Name((*first).into()))
 }
 
 #[cfg(test)]
@@ -291,15 +279,33 @@ mod tests {
         let mut syntax = Syntax::default();
         let block = "t() {\n  count  uleb\n  for (i = 0; i < count + 1; i++) {\n  a[i][j]  huffman(k)\n  }\n  s()\n}";
         syntax.add(block).expect("a table");
-        let [Statement::Element { .. }, Statement::For(i, bound, body), Statement::Call(call)] =
+        let [Statement::Element(_), Statement::For(i, bound, body), Statement::Call(call)] =
             syntax.table("t").expect("there")
         else {
             panic!("{syntax:?}")
         };
         assert_eq!((i.as_str(), call.as_str()), ("i", "s"));
         assert!(matches!(bound, Expression::Binary("+", ..)));
-        assert!(matches!(&body[0], Statement::Element { indices, .. } if indices == &["i", "j"]));
+        assert!(matches!(&body[0], Statement::Element(e) if e.indices == ["i", "j"]));
         assert_eq!(syntax.element_names(), ["a", "count"]);
+    }
+
+    #[test]
+    fn ranges_stand_behind_what_they_are_of() {
+        let mut syntax = Syntax::default();
+        let block = "t() {\n a[i]  u(4)  0 … 2   r[header.axis.range]\n \
+                     1 …  r[nodes.count.range]\n B = a[i] + 1  5  r[name.whole]\n}";
+        syntax.add(block).expect("a table");
+        let [Statement::Element(a), Statement::Assign(_, _, of_b)] =
+            syntax.table("t").expect("there")
+        else {
+            panic!("{syntax:?}")
+        };
+        assert_eq!((a.ranges.len(), of_b.len()), (2, 1));
+        for block in ["t() {\n 0 … 2  r[header.axis.range]\n}", "t() {\n a  u(4)  7  r[no.rule]\n}"]
+        {
+            assert!(Syntax::default().add(block).is_err(), "{block}");
+        }
     }
 
     #[test]

@@ -211,9 +211,9 @@ fn bytes(write: impl FnOnce(&mut BitWriter)) -> Vec<u8> {
 
 fn stream(case: &Case) -> Vec<u8> {
     let Case { header, mesh, smoothing, nodes, affine, motions } = case;
-    let mut payload = Vec::new();
-    encode_intra(mesh, &mut payload).expect("a mesh");
-    let intra = IntraFrame { payload: &payload, smoothing: *smoothing, ..IntraFrame::default() };
+    let encoding = encode_intra(mesh).expect("a mesh");
+    let intra =
+        IntraFrame { payload: encoding.payload(), smoothing: *smoothing, ..IntraFrame::default() };
     let mut out = FILE_SIGNATURE.to_vec();
     write_unit(&mut out, unit::SEQUENCE_HEADER, &bytes(|bits| header.write(bits)));
     let start = out.len();

@@ -22,7 +22,7 @@ use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use crate::order::FrameNumbers;
 use kn_bitstream::params::{BodyPart, Combination};
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, SequenceHeader, rule};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, SequenceHeader, rule};
 use kn_deform::BindError;
 use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
@@ -36,7 +36,6 @@ pub(crate) struct GroupEncoder {
     grid: Grid,
     reconstruction: Reconstruction,
     intra_decoder: IntraDecoder,
-    payload: Vec<u8>,
     motion: MotionEncoder,
     /// Why the last GoF ended early.
     reason: Option<FitFailure>,
@@ -53,7 +52,6 @@ impl GroupEncoder {
             tuning,
             header,
             intra_decoder: IntraDecoder::default(),
-            payload: Vec::new(),
             reason: None,
         }
     }
@@ -161,10 +159,8 @@ impl GroupEncoder {
         let decimated = self.config.intra.decimation.and_then(|how| decimate(mesh, how, tuning));
         let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
         let coded = self.on_grid(coarse).map_err(input)?;
-        self.payload.clear();
-        let encoding = encode_intra(&coded, &mut self.payload);
-        let encoding = encoding.map_err(|error| input(error.to_string()))?;
-        self.decode_payload().map_err(input)?;
+        let encoding = encode_intra(&coded).map_err(|error| input(error.to_string()))?;
+        self.decode_payload(&encoding.payload()).map_err(input)?;
         let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
         let decoded = self.reconstruction.intra();
@@ -175,7 +171,7 @@ impl GroupEncoder {
             header: FrameHeader { name: String::new(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
             smoothing,
-            payload: &self.payload,
+            payload: encoding.payload(),
         };
         let mut bits = BitWriter::new();
         frame.write(&mut bits);
@@ -238,10 +234,10 @@ impl GroupEncoder {
     }
 
     /// The decoder's view of the I-frame that was just coded.
-    fn decode_payload(&mut self) -> Result<(), String> {
+    fn decode_payload(&mut self, payload: &IntraPayload<'_>) -> Result<(), String> {
         let level = self.header.limits().ok_or("the sequence has no level")?;
         let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
-        let (payload, decoder) = (&self.payload, &mut self.intra_decoder);
+        let decoder = &mut self.intra_decoder;
         self.reconstruction
             .begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))
             .map_err(|error| error.to_string())

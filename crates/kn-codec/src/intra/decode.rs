@@ -3,7 +3,6 @@
 use super::IntraError;
 use super::conquest::{Conquest, HalfEdge, NONE, Symbol};
 use super::geometry::{GeometryModels, code_positions};
-use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
@@ -13,6 +12,7 @@ use super::symbols::SymbolModels;
 use super::traversal::Traversal;
 use kn_bitstream::range::RangeDecoder;
 use kn_bitstream::rule::{self, Rule};
+use kn_bitstream::{IntraHeader, IntraPayload};
 use kn_mesh::GridMesh;
 
 /// What a payload may ask for at most.
@@ -38,7 +38,7 @@ pub struct IntraDecoder {
     labels: Vec<u8>,
 }
 
-/// Decodes one payload into `mesh`, whose buffers are reused. Vertices come in the order in which
+/// Decodes one payload, which [`IntraPayload::read`] has read, into `mesh`, whose buffers are reused. Vertices come in the order in which
 /// the connectivity first met them, then those that no coded face uses; labels are empty where the
 /// payload has none.
 ///
@@ -50,13 +50,13 @@ pub struct IntraDecoder {
 /// # Errors
 /// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].
 pub fn decode_intra(
-    bytes: &[u8],
+    payload: &IntraPayload<'_>,
     limits: &IntraLimits,
     decoder: &mut IntraDecoder,
     mesh: &mut GridMesh,
 ) -> Result<(), IntraError> {
     mesh.clear();
-    let decoded = decoder.decode(bytes, limits, mesh);
+    let decoded = decoder.decode(payload, limits, mesh);
     if decoded.is_err() {
         mesh.clear();
     }
@@ -66,24 +66,22 @@ pub fn decode_intra(
 impl IntraDecoder {
     fn decode(
         &mut self,
-        bytes: &[u8],
+        payload: &IntraPayload<'_>,
         limits: &IntraLimits,
         mesh: &mut GridMesh,
     ) -> Result<(), IntraError> {
-        let (header, start) =
-            Header::read(bytes).map_err(|(rule, at)| IntraError::Malformed { rule, at })?;
-        limits.check(&header)?;
-        let sections = Sections::cut(bytes, start, &header)?;
-        let connectivity = sections.connectivity;
-        connectivity.read(|coder| self.decode_connectivity(coder, &header, mesh))?;
-        sections.geometry.read(|coder| self.decode_geometry(coder, &header, mesh))?;
-        sections.labels.read(|coder| self.decode_labels(coder, &header, mesh))
+        let header = &payload.header;
+        limits.check(header)?;
+        let [connectivity, geometry, labels] = Section::of(payload);
+        connectivity.read(|coder| self.decode_connectivity(coder, header, mesh))?;
+        geometry.read(|coder| self.decode_geometry(coder, header, mesh))?;
+        labels.read(|coder| self.decode_labels(coder, header, mesh))
     }
 
     fn decode_connectivity(
         &mut self,
         coder: &mut RangeDecoder,
-        header: &Header,
+        header: &IntraHeader,
         mesh: &mut GridMesh,
     ) -> Result<(), Rule> {
         self.decode_conquest(coder, header)?;
@@ -92,7 +90,7 @@ impl IntraDecoder {
         self.number.clear();
         self.number.resize(vertices, NONE);
         self.joins.clear();
-        self.joins.resize(header.joins as usize, (0, 0));
+        self.joins.resize(header.join_count as usize, (0, 0));
         code_joins(
             coder,
             &self.conquest,
@@ -101,23 +99,27 @@ impl IntraDecoder {
             &mut self.number,
         )?;
         let numbered = number_vertices(&self.conquest, &mut self.number);
-        if numbered.checked_add(header.isolated) != Some(header.vertices) {
+        if numbered.checked_add(header.isolated_count) != Some(header.vertex_count) {
             return Err(rule::INTRA_VERTICES_COUNT);
         }
-        mesh.faces.reserve(header.faces as usize);
+        mesh.faces.reserve(header.face_count as usize);
         let corner = |edge: HalfEdge| self.number[edge.origin as usize];
         let triangles = self.conquest.edges.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(corner));
         mesh.faces.extend(triangles.filter(|face| !face.contains(&NONE)));
-        mesh.faces.resize(header.faces as usize, [0; 3]);
+        mesh.faces.resize(header.face_count as usize, [0; 3]);
         let raw = header.conquered_faces() as usize;
-        code_raw_faces(coder, &mut mesh.faces[raw..], header.vertices)
+        code_raw_faces(coder, &mut mesh.faces[raw..], header.vertex_count)
     }
 
-    fn decode_conquest(&mut self, coder: &mut RangeDecoder, header: &Header) -> Result<(), Rule> {
+    fn decode_conquest(
+        &mut self,
+        coder: &mut RangeDecoder,
+        header: &IntraHeader,
+    ) -> Result<(), Rule> {
         let mut models = SymbolModels::default();
         let faces = header.conquered_faces() as usize;
         self.conquest.clear();
-        for _ in 0..header.components {
+        for _ in 0..header.component_count {
             let valences = [(); 3].map(|()| models.code_seed(coder, 0));
             self.conquest.seed(valences);
             while let Some(gate) = self.conquest.gate() {
@@ -143,25 +145,25 @@ impl IntraDecoder {
     fn decode_geometry(
         &mut self,
         coder: &mut RangeDecoder,
-        header: &Header,
+        header: &IntraHeader,
         mesh: &mut GridMesh,
     ) -> Result<(), Rule> {
         self.points.clear();
         self.points.resize(self.surface.vertices(), Point::default());
         let mut lattice = Lattice::default();
         if header.has_lattice {
-            lattice.code(coder, header.vertices)?;
+            lattice.code(coder, header.vertex_count)?;
         }
         let mut models = GeometryModels::default();
         let (traversal, points) = (&mut self.traversal, &mut self.points);
         let mut last = code_positions(coder, &mut models, &self.surface, traversal, points)?;
-        mesh.positions.resize(header.vertices as usize, [0; 3]);
+        mesh.positions.resize(header.vertex_count as usize, [0; 3]);
         for (&number, point) in self.number.iter().zip(&self.points) {
             if number != NONE {
                 mesh.positions[number as usize] = point.position;
             }
         }
-        let isolated = (header.vertices - header.isolated) as usize;
+        let isolated = (header.vertex_count - header.isolated_count) as usize;
         for position in &mut mesh.positions[isolated..] {
             last = models.code_unsupported(coder, &Prediction::default(), last, *position)?;
             *position = last;
@@ -177,7 +179,7 @@ impl IntraDecoder {
     fn decode_labels(
         &mut self,
         coder: &mut RangeDecoder,
-        header: &Header,
+        header: &IntraHeader,
         mesh: &mut GridMesh,
     ) -> Result<(), Rule> {
         if !header.has_labels {
@@ -189,13 +191,13 @@ impl IntraDecoder {
         let (traversal, labels) = (&mut self.label_traversal, &mut self.labels);
         let mut last =
             code_labels(coder, &mut models, &self.surface, traversal, labels, &self.points);
-        mesh.labels.resize(header.vertices as usize, 0);
+        mesh.labels.resize(header.vertex_count as usize, 0);
         for (&number, &label) in self.number.iter().zip(&self.labels) {
             if number != NONE {
                 mesh.labels[number as usize] = label;
             }
         }
-        let isolated = (header.vertices - header.isolated) as usize;
+        let isolated = (header.vertex_count - header.isolated_count) as usize;
         for label in &mut mesh.labels[isolated..] {
             last = models.code_isolated(coder, last, *label);
             *label = last;
@@ -205,22 +207,31 @@ impl IntraDecoder {
 }
 
 impl IntraLimits {
-    fn check(&self, header: &Header) -> Result<(), IntraError> {
+    fn check(&self, header: &IntraHeader) -> Result<(), IntraError> {
         let within = |what, asked, allowed| {
             if asked > allowed { Err(IntraError::Limit { what, asked, allowed }) } else { Ok(()) }
         };
-        within("vertices", header.vertices, self.max_vertices.min(super::MOST))?;
-        within("faces", header.faces, self.max_faces.min(super::MOST))
+        within("vertices", header.vertex_count, self.max_vertices.min(super::MOST))?;
+        within("faces", header.face_count, self.max_faces.min(super::MOST))
     }
 }
 
-/// One stream of decisions, and where it starts in the payload.
+/// One stream of decisions, and where it starts among the sections.
 struct Section<'a> {
     bytes: &'a [u8],
     start: usize,
 }
 
-impl Section<'_> {
+impl<'a> Section<'a> {
+    fn of(payload: &IntraPayload<'a>) -> [Self; 3] {
+        let mut next = 0;
+        [payload.connectivity, payload.geometry, payload.labels].map(|bytes| {
+            let start = next;
+            next += bytes.len();
+            Self { bytes, start }
+        })
+    }
+
     /// Reads it with `decode` and requires that it holds nothing else.
     fn read(
         &self,
@@ -232,32 +243,5 @@ impl Section<'_> {
             decoded = Err(rule::INTRA_SECTIONS_CONSUMED);
         }
         decoded.map_err(|rule| IntraError::Malformed { rule, at: self.start + coder.position() })
-    }
-}
-
-struct Sections<'a> {
-    connectivity: Section<'a>,
-    geometry: Section<'a>,
-    labels: Section<'a>,
-}
-
-impl<'a> Sections<'a> {
-    fn cut(bytes: &'a [u8], start: usize, header: &Header) -> Result<Self, IntraError> {
-        let broken = IntraError::Malformed { rule: rule::INTRA_SECTIONS_SIZE, at: start };
-        let rest = bytes.get(start..).ok_or(broken)?;
-        let (connectivity, rest) =
-            rest.split_at_checked(header.connectivity_bytes as usize).ok_or(broken)?;
-        let (geometry, labels) =
-            rest.split_at_checked(header.geometry_bytes as usize).ok_or(broken)?;
-        if labels.len() != header.label_bytes as usize || (!header.has_labels && !labels.is_empty())
-        {
-            return Err(broken);
-        }
-        let at_geometry = start + connectivity.len();
-        Ok(Self {
-            connectivity: Section { bytes: connectivity, start },
-            geometry: Section { bytes: geometry, start: at_geometry },
-            labels: Section { bytes: labels, start: at_geometry + geometry.len() },
-        })
     }
 }

@@ -3,7 +3,6 @@
 use super::IntraError;
 use super::conquest::{Conquest, NONE};
 use super::geometry::{GeometryModels, code_positions};
-use super::header::Header;
 use super::joins::{code_joins, code_raw_faces, number_vertices};
 use super::labels::{LabelModels, LabelTraversal, code_labels};
 use super::lattice::Lattice;
@@ -13,67 +12,64 @@ use super::survey::Survey;
 use super::symbols::SymbolModels;
 use super::topology::ClosedMesh;
 use super::traversal::Traversal;
-use kn_bitstream::Rule;
 use kn_bitstream::range::RangeEncoder;
+use kn_bitstream::{IntraHeader, IntraPayload, Rule};
 use kn_mesh::{Grid, GridMesh};
 
-/// What [`encode_intra`] wrote, and what it had to do to the mesh on the way. Nothing of it is left
-/// in the decoded mesh but the order of vertices and faces.
+/// A coded mesh, and what had to be done to the mesh on the way. Nothing of it is left in the decoded
+/// mesh but the order of vertices and faces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntraEncoding {
+    /// Counts and flags of the payload.
+    pub header: IntraHeader,
+    /// The connectivity section.
+    pub connectivity: Vec<u8>,
+    /// The geometry section.
+    pub geometry: Vec<u8>,
+    /// The label section.
+    pub labels: Vec<u8>,
     /// `#V` decoded vertex of each input vertex.
     pub vertex_map: Vec<u32>,
-    /// Bytes of the connectivity section.
-    pub connectivity_bytes: usize,
-    /// Bytes of the geometry section.
-    pub geometry_bytes: usize,
-    /// Bytes of the label section.
-    pub label_bytes: usize,
-    /// Connected parts after cutting.
-    pub components: usize,
     /// Boundary loops after cutting.
     pub holes: usize,
     /// Edges with more than two faces, or whose faces disagree in orientation, cut and joined.
     pub cut_edges: usize,
-    /// Vertices doubled by cuts.
-    pub cut_vertices: usize,
-    /// Vertices that no face uses, or only faces that repeat a vertex.
-    pub isolated_vertices: usize,
-    /// Faces that repeat a vertex, stored as they are.
-    pub raw_faces: usize,
 }
 
-/// Appends the payload of `mesh` to `out`. The decoded mesh has the same vertices (reordered, see
+impl IntraEncoding {
+    /// The payload, to be written or decoded.
+    pub fn payload(&self) -> IntraPayload<'_> {
+        IntraPayload {
+            header: self.header,
+            connectivity: &self.connectivity,
+            geometry: &self.geometry,
+            labels: &self.labels,
+        }
+    }
+}
+
+/// Codes `mesh`. The decoded mesh has the same vertices (reordered, see
 /// [`IntraEncoding::vertex_map`]) and the same faces (reordered, and each perhaps begun at another
 /// of its corners).
 ///
 /// # Errors
 /// Where the mesh is none: a face index or label count that does not fit, a coordinate outside
 /// the grid, 2^28 vertices or faces.
-pub fn encode_intra(mesh: &GridMesh, out: &mut Vec<u8>) -> Result<IntraEncoding, IntraError> {
+pub fn encode_intra(mesh: &GridMesh) -> Result<IntraEncoding, IntraError> {
     check(mesh)?;
     let (faces, raw_faces): (Vec<_>, Vec<_>) = mesh.faces.iter().copied().partition(is_simple);
     let closed = ClosedMesh::new(&faces, mesh.positions.len());
     let mut encoder = IntraEncoder::new(mesh, &closed, raw_faces);
     let mut sections = [Vec::new(), Vec::new(), Vec::new()];
     encoder.encode_sections(&mut sections).map_err(|rule| IntraError::Malformed { rule, at: 0 })?;
-    let [connectivity, geometry, labels] = &sections;
-    encoder.header.connectivity_bytes = connectivity.len() as u32;
-    encoder.header.geometry_bytes = geometry.len() as u32;
-    encoder.header.label_bytes = labels.len() as u32;
-    encoder.header.write(out);
-    sections.iter().for_each(|section| out.extend_from_slice(section));
-    let header = encoder.header;
+    let [connectivity, geometry, labels] = sections;
     Ok(IntraEncoding {
-        connectivity_bytes: connectivity.len(),
-        geometry_bytes: geometry.len(),
-        label_bytes: labels.len(),
-        components: header.components as usize,
+        header: encoder.header,
+        connectivity,
+        geometry,
+        labels,
         holes: closed.source.iter().filter(|&&source| source == NONE).count(),
         cut_edges: closed.cut_edges,
-        cut_vertices: header.joins as usize,
-        isolated_vertices: header.isolated as usize,
-        raw_faces: header.raw_faces as usize,
         vertex_map: encoder.vertex_map,
     })
 }
@@ -107,7 +103,7 @@ struct IntraEncoder<'a> {
     mesh: &'a GridMesh,
     closed: &'a ClosedMesh,
     raw_faces: Vec<[u32; 3]>,
-    header: Header,
+    header: IntraHeader,
     conquest: Conquest,
     /// `#M` input vertex of each vertex of the conquest; [`NONE`] for a dummy.
     source: Vec<u32>,
@@ -119,12 +115,12 @@ struct IntraEncoder<'a> {
 
 impl<'a> IntraEncoder<'a> {
     fn new(mesh: &'a GridMesh, closed: &'a ClosedMesh, raw_faces: Vec<[u32; 3]>) -> Self {
-        let header = Header {
+        let header = IntraHeader {
             has_labels: !mesh.labels.is_empty(),
-            vertices: mesh.positions.len() as u32,
-            faces: mesh.faces.len() as u32,
-            raw_faces: raw_faces.len() as u32,
-            ..Header::default()
+            vertex_count: mesh.positions.len() as u32,
+            face_count: mesh.faces.len() as u32,
+            raw_face_count: raw_faces.len() as u32,
+            ..IntraHeader::default()
         };
         Self {
             mesh,
@@ -165,7 +161,7 @@ impl<'a> IntraEncoder<'a> {
             if survey.is_conquered(first) {
                 continue;
             }
-            self.header.components += 1;
+            self.header.component_count += 1;
             let valences = survey.valences(first);
             self.conquest.seed(valences.map(|valence| models.code_seed(coder, valence)));
             survey.record(first);
@@ -210,8 +206,8 @@ impl<'a> IntraEncoder<'a> {
                 vertices += 1;
             }
         }
-        self.header.joins = joins.len() as u32;
-        self.header.isolated = self.isolated.len() as u32;
+        self.header.join_count = joins.len() as u32;
+        self.header.isolated_count = self.isolated.len() as u32;
         for corner in self.raw_faces.iter_mut().flatten() {
             *corner = self.vertex_map[*corner as usize];
         }
@@ -222,7 +218,7 @@ impl<'a> IntraEncoder<'a> {
         let mut lattice = Lattice::detect(&self.mesh.positions);
         self.header.has_lattice = lattice.is_some();
         if let Some(lattice) = &mut lattice {
-            lattice.code(coder, self.header.vertices)?;
+            lattice.code(coder, self.header.vertex_count)?;
         }
         let coded = |vertex: u32| {
             let position = self.mesh.positions[vertex as usize];

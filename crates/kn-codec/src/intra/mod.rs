@@ -19,7 +19,6 @@ mod decode;
 #[cfg(feature = "encode")]
 mod encode;
 mod geometry;
-mod header;
 mod joins;
 mod labels;
 mod lattice;
@@ -45,11 +44,11 @@ const MOST: u32 = (1 << 28) - 1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IntraError {
     /// The payload breaks a rule of the specification.
-    #[error("byte {at} of the payload: the mesh breaks a rule: {rule}")]
+    #[error("byte {at} of the sections: the mesh breaks a rule: {rule}")]
     Malformed {
         /// The rule.
         rule: Rule,
-        /// Byte of the payload near which it shows.
+        /// Byte near which it shows, counted from the first section.
         at: usize,
     },
     /// The payload announces more than the caller allows.

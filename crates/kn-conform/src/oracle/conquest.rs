@@ -1,6 +1,6 @@
 //! 5.2 to 5.4: connectivity. Half-edges and vertices are plain numbers, as in the text.
 
-use super::intra::Counts;
+use super::intra::Payload;
 use super::range::{CONSUMED, Gamma, Model, Section};
 use kn_bitstream::rule::{self, Rule};
 
@@ -310,10 +310,10 @@ fn read_valence(models: &mut ValenceModels, section: &mut Section<'_>) -> i64 {
 /// The connectivity section: the conquest with its vertices numbered, and the faces.
 pub(super) fn connectivity(
     bytes: &[u8],
-    counts: &Counts,
+    payload: &Payload<'_>,
 ) -> Result<(Conquest, Vec<[u32; 3]>), Rule> {
     let mut section = Section::new(bytes);
-    let decoded = conquered(&mut section, counts);
+    let decoded = conquered(&mut section, payload);
     if section.overrun() {
         return Err(CONSUMED);
     }
@@ -324,11 +324,11 @@ pub(super) fn connectivity(
 
 fn conquered(
     section: &mut Section<'_>,
-    counts: &Counts,
+    payload: &Payload<'_>,
 ) -> Result<(Conquest, Vec<[u32; 3]>), Rule> {
     let (mut conquest, mut models) = (Conquest::default(), Models::default());
-    let (mut faces, simple) = (0, counts.faces - counts.raw_faces);
-    for _ in 0..counts.components {
+    let (mut faces, simple) = (0, payload.conquered);
+    for _ in 0..payload.components {
         conquest.seed(&mut models, section)?;
         faces += 1;
         while let Some(gate) = conquest.gate() {
@@ -353,8 +353,8 @@ fn conquered(
     if conquest.vertices.iter().any(|vertex| vertex.lacking != 0) {
         return Err(rule::INTRA_CONNECTIVITY_VALENCE);
     }
-    read_joins(&mut conquest, counts.joins, section)?;
-    let faces = faces_of(&conquest, counts, section)?;
+    read_joins(&mut conquest, payload.joins, section)?;
+    let faces = faces_of(&conquest, payload, section)?;
     Ok((conquest, faces))
 }
 
@@ -391,20 +391,20 @@ fn read_joins(conquest: &mut Conquest, joins: u64, section: &mut Section<'_>) ->
 /// 5.4
 fn faces_of(
     conquest: &Conquest,
-    counts: &Counts,
+    payload: &Payload<'_>,
     section: &mut Section<'_>,
 ) -> Result<Vec<[u32; 3]>, Rule> {
     let numbers = conquest.vertices.iter().filter(|v| !v.dummy).map(|v| v.number as u64 + 1);
-    if counts.vertices != counts.isolated + numbers.max().unwrap_or(0) {
+    if payload.vertices != payload.isolated + numbers.max().unwrap_or(0) {
         return Err(rule::INTRA_VERTICES_COUNT);
     }
     let dummy = |v: &usize| conquest.vertices[*v].dummy;
     let simple = conquest.corners.iter().filter(|corners| !corners.iter().any(dummy));
     let mut faces: Vec<[u32; 3]> =
         simple.map(|corners| corners.map(|v| conquest.vertices[v].number as u32)).collect();
-    for _ in 0..counts.raw_faces {
+    for _ in 0..payload.raw_faces {
         let corners = [0; 3].map(|_: i64| (section.raw(16) << 16) + section.raw(16));
-        if corners.iter().any(|&corner| corner as u64 >= counts.vertices) {
+        if corners.iter().any(|&corner| corner as u64 >= payload.vertices) {
             return Err(rule::INTRA_FACES_RAW);
         }
         faces.push(corners.map(|corner| corner as u32));

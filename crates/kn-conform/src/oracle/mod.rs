@@ -23,16 +23,14 @@ use std::collections::HashMap;
 use kn_mesh::GridMesh;
 
 use crate::labels::{closest, node_labels, node_points};
-use crate::ranges::level_limit;
 use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Node, Settings, Slots, bind, blend, transform};
 use framing::Framing;
-use intra::announced;
 use path::{Nodes, path};
 use smooth::smooth;
 
-pub use intra::decode_mesh;
+pub(crate) use intra::{Payload, decode_mesh};
 
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
@@ -52,7 +50,7 @@ impl Spec {
     /// Takes memory and time with no eye on either: not for untrusted streams of unknown size.
     pub fn reconstruct(&self, stream: &[u8]) -> Result<Literal, Failure> {
         let (trace, result) = self.parse_strictly(stream, &node_labels);
-        let mut oracle = Oracle { spec: Some(self), ..Oracle::default() };
+        let mut oracle = Oracle::default();
         for line in trace {
             let bit = line.bit;
             let read = oracle.framing.element(&line).and_then(|()| oracle.element(line));
@@ -71,8 +69,7 @@ impl Spec {
 }
 
 #[derive(Default)]
-struct Oracle<'s> {
-    spec: Option<&'s Spec>,
+struct Oracle {
     framing: Framing,
     /// Values of the unit that is being read, by element; arrays in order.
     unit: HashMap<String, Vec<Value>>,
@@ -92,7 +89,7 @@ struct Oracle<'s> {
     decoded: Literal,
 }
 
-impl Oracle<'_> {
+impl Oracle {
     fn element(&mut self, line: TraceLine) -> Result<(), Rule> {
         let end_of_unit = line.name == "unit_crc";
         self.unit.entry(line.name).or_default().push(line.value);
@@ -150,21 +147,11 @@ impl Oracle<'_> {
 
     /// 6.4
     fn intra_frame(&mut self) -> Result<(), Rule> {
-        let Some([Value::Bytes(payload)]) = self.unit.get("intra_payload").map(Vec::as_slice)
-        else {
-            return Err(rule::UNIT_SIZE_EXACT);
-        };
-        let counts = announced(payload)?;
-        for (count, column) in counts.into_iter().zip(["max_vertices", "max_faces"]) {
-            let level = number(&self.header, "level");
-            let most = self.spec.map(|spec| level_limit(&spec.levels, Some(level), column));
-            if most.is_some_and(|most| i128::from(count) > most) {
-                return Err(rule::INTRA_SIZE_LEVEL);
-            }
-        }
-        self.mesh = decode_mesh(payload)?;
+        let payload = Payload::of(|name| self.unit.get(name)?.first());
+        self.mesh = decode_mesh(&payload.ok_or(rule::UNIT_SIZE_EXACT)?)?;
+        let vertices = self.mesh.positions.len() as u64;
         let label_set = number(&self.header, "label_set");
-        if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { counts[0] } {
+        if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { vertices } {
             return Err(rule::INTRA_LABELS_PRESENT);
         }
         let label_count = if label_set == 1 { 15 } else { number(&self.header, "label_count") };

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::Oracle;
 use super::deform::{Motion, Node};
 
-impl Oracle<'_> {
+impl Oracle {
     /// P(s), four times T(s), of 7.2.
     fn step(&self, name: &str) -> i64 {
         let s = self.number(name) as u32;

@@ -20,7 +20,7 @@ fn short(bytes: &[u8]) -> String {
     sha256(bytes)[..16].to_owned()
 }
 
-impl Oracle<'_> {
+impl Oracle {
     /// Takes the frame down; its own digests must agree. `predicted` are the positions before
     /// smoothing. A P-frame comes with its nodes as they stood before it, and their transforms.
     pub(super) fn show(

@@ -65,6 +65,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
         "A file may be one I-frame: no key nodes, no P-frame.",
         &[
             "intra.payload",
+            "intra.counts.meaning",
             "conformance.frame.sha256",
             "conformance.profile.main",
             "conformance.levels",
@@ -193,7 +194,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     add(
         "names",
         "Frames are named by the pattern; the header is longer by it.",
-        &["header.names.meaning", "conventions.tables"],
+        &["header.names.meaning", "conventions.tables", "conventions.ranges"],
         &short(&plain),
         config().with_names(Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 })),
     )?;

@@ -38,9 +38,9 @@ pub(crate) fn drafts() -> Result<Vec<Draft>> {
     let digests = [&format!("positions_digest = 0x{digest:x}"), "faces_digest = 0x1"];
     drafts.push(Draft {
         name: "payload_beyond".into(),
-        text: base.clone().before("intra_payload", 0, &[&beyond]).build(),
+        text: base.clone().before("lattice_present", 0, &[&beyond]).build(),
         danger: "A mesh of a byte more than its unit has.".into(),
-        rule: Some("unit.size.exact"),
+        rule: Some("intra.sections.size"),
         covers: &[],
     });
     drafts.push(Draft {

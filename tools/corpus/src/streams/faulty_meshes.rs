@@ -7,7 +7,7 @@ use kn_mesh::GridMesh;
 
 use super::Draft;
 use super::decisions::{Decisions, payload, section};
-use super::texts::{HEADER, INDEX, MOTION, intra_unit, payload_of, strip};
+use super::texts::{HEADER, INDEX, MOTION, Text, intra_unit, payload_of, strip};
 use super::uncommon_meshes::lattice_payload;
 
 pub(crate) fn drafts() -> Result<Vec<Draft>> {
@@ -19,6 +19,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>> {
 /// Places of the numbers in the header of a small mesh: each below 128, a byte.
 const VERTEX_COUNT: usize = 2;
 const FACE_COUNT: usize = 4;
+const CONNECTIVITY_SIZE: usize = 8;
 const GEOMETRY_SIZE: usize = 9;
 const LABEL_SIZE: usize = 10;
 
@@ -28,23 +29,38 @@ fn with(payload: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
 }
 
 fn headers(plain: &[u8]) -> Vec<Draft> {
-    let header = "intra.header";
-    let long = [plain[VERTEX_COUNT] | 0x80, 0];
+    let count = plain[VERTEX_COUNT];
+    let long = format!("{count} as x{:02x}00", count | 0x80);
+    let edited = |name: &str, rule, danger: &str, edit: &dyn Fn(Text) -> Text| {
+        let sound = draft(name, rule, danger, plain);
+        Draft { text: edit(Text::new(&sound.text)).build(), ..sound }
+    };
+    let sized = |label_size: &str| {
+        let size = |name: &str, at: usize| format!("{name}_size = {}", plain[at]);
+        let sizes = [size("connectivity", CONNECTIVITY_SIZE), size("geometry", GEOMETRY_SIZE)];
+        let label_size = format!("label_size = {label_size}");
+        move |text: Text| {
+            let lines = [sizes[0].as_str(), sizes[1].as_str(), label_size.as_str()];
+            text.before("connectivity_section", 0, &lines)
+        }
+    };
     vec![
-        draft("intra_header", header, "A flag of a later version.", &with(plain, 0, &[4])),
-        draft(
+        edited("intra_header", "intra.reserved.zero", "A flag of a later version.", &|text| {
+            text.before("lattice_present", 0, &["reserved_zero = 1"])
+        }),
+        edited(
             "intra_header_long",
-            header,
+            "descriptor.uleb.shortest",
             "A count with a group too many.",
-            &with(plain, VERTEX_COUNT, &long),
+            &|text| text.set("vertex_count", 0, &long),
         ),
-        draft(
+        edited(
             "intra_header_wraps",
-            header,
+            "descriptor.uleb.range",
             "A size of 2^32, which is 0 in 32 bits.",
-            &with(plain, LABEL_SIZE, &[0x80, 0x80, 0x80, 0x80, 0x10]),
+            &sized("0 as x8080808010"),
         ),
-        draft("intra_header_short", header, "A payload that ends before its last size.", &[0; 10]),
+        short_header(),
         draft(
             "intra_header_attributes",
             "intra.header.attributes",
@@ -100,12 +116,7 @@ fn sections(plain: &[u8]) -> Result<Vec<Draft>> {
             "A section that ends 4 bytes too early; zeros would do behind its end.",
             &one_vertex(vec![]),
         ),
-        draft(
-            "intra_sections_size",
-            size,
-            "A byte behind the last section.",
-            &[plain, &[0]].concat(),
-        ),
+        byte_behind(plain),
         draft(
             "label_section_spare",
             size,
@@ -121,6 +132,27 @@ fn sections(plain: &[u8]) -> Result<Vec<Draft>> {
         draft("intra_geometry_range", range, "A coordinate of 2^20.", &far(0)),
         draft("intra_geometry_least", range, "A coordinate of −2^20.", &far(1)),
     ])
+}
+
+/// Ten zeros, where the shortest header has eleven bytes.
+fn short_header() -> Draft {
+    let danger = "A payload that ends before its last size.";
+    let sound = draft("intra_header_short", "unit.size.exact", danger, &[0; 11]);
+    let sizes = ["connectivity_size = 0", "geometry_size = 0", "label_size = 0 as 0b"];
+    let text = Text::new(&sound.text).before("connectivity_section", 0, &sizes);
+    Draft { text: text.build(), ..sound }
+}
+
+fn byte_behind(plain: &[u8]) -> Draft {
+    let size = format!("intra_size = {}", plain.len() + 1);
+    let sound = draft(
+        "intra_sections_size",
+        "intra.sections.size",
+        "A byte behind the last section.",
+        plain,
+    );
+    let text = Text::new(&sound.text).before("lattice_present", 0, &[&size]);
+    Draft { text: text.after("label_section", 0, &["pad = 0 as x00"]).build(), ..sound }
 }
 
 fn lattices() -> Vec<Draft> {

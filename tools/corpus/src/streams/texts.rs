@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 
+use kn_bitstream::BitWriter;
 use kn_codec::digest::positions_digest;
 use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::GridMesh;
@@ -129,24 +130,60 @@ pub(crate) fn knotted() -> GridMesh {
 
 /// The coded mesh.
 pub(crate) fn payload_of(mesh: &GridMesh) -> Result<Vec<u8>> {
-    let mut payload = Vec::new();
-    encode_intra(mesh, &mut payload)?;
-    Ok(payload)
+    let mut bits = BitWriter::new();
+    encode_intra(mesh)?.payload().write(&mut bits);
+    Ok(bits.into_bytes())
 }
 
 /// The lines of an I-frame unit without digests.
 pub(crate) fn intra_unit(payload: &[u8]) -> String {
-    let digits: String = payload.iter().map(|byte| format!("{byte:02x}")).collect();
-    format!(
-        "\nunit_type = 2\ndigest_present = 0\nname_present = 0\nsmoothing_strength = 0\nintra_payload = x{digits}\n"
-    )
+    let start = "\nunit_type = 2\ndigest_present = 0\nname_present = 0\nsmoothing_strength = 0\n";
+    start.to_owned() + &payload_lines(payload)
+}
+
+/// The lines of a payload, whose counts may be wrong but whose sections fill it.
+fn payload_lines(payload: &[u8]) -> String {
+    let (flags, mut rest) = (payload[0], &payload[2..]);
+    let mut numbers = [0; 9];
+    for number in &mut numbers {
+        let bytes = rest.iter().position(|byte| byte & 0x80 == 0).map_or(rest.len(), |at| at + 1);
+        let (uleb, behind) = rest.split_at(bytes);
+        *number = uleb.iter().rev().fold(0, |value, byte| value << 7 | usize::from(byte & 0x7f));
+        rest = behind;
+    }
+    let mut lines = format!(
+        "lattice_present = {}\nlabels_present = {}\nattribute_count = {}\n",
+        flags >> 1 & 1,
+        flags & 1,
+        payload[1]
+    );
+    const COUNTS: [&str; 6] = [
+        "vertex_count",
+        "isolated_count",
+        "face_count",
+        "raw_face_count",
+        "component_count",
+        "join_count",
+    ];
+    for (name, count) in COUNTS.iter().zip(numbers) {
+        lines += &format!("{name} = {count}\n");
+    }
+    for (name, &size) in ["connectivity", "geometry", "label"].iter().zip(&numbers[6..]) {
+        let (section, behind) = rest.split_at(size);
+        let digits: String = section.iter().map(|byte| format!("{byte:02x}")).collect();
+        lines += &format!("{name}_section = x{digits}\n");
+        rest = behind;
+    }
+    assert!(rest.is_empty(), "bytes behind the sections");
+    lines
 }
 
 /// The digest of a mesh's positions as they are decoded, in decoded order, with 8 fraction bits.
 pub(crate) fn positions_digest_of(mesh: &GridMesh) -> Result<u64> {
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();
-    decode_intra(&payload_of(mesh)?, &limits, &mut IntraDecoder::default(), &mut decoded)?;
+    let encoding = encode_intra(mesh)?;
+    decode_intra(&encoding.payload(), &limits, &mut IntraDecoder::default(), &mut decoded)?;
     let in_units: Vec<_> = decoded.positions.iter().map(|p| p.map(|c| c << 8)).collect();
     Ok(positions_digest(&in_units))
 }

@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 
-use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra};
+use kn_codec::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use kn_mesh::GridMesh;
 
 use super::Draft;
@@ -264,6 +264,11 @@ fn decoded_order(faces: &Faces) -> Result<Vec<u32>> {
     let probe = mesh(faces.clone(), |v| [v as i32; 3], None);
     let limits = IntraLimits { max_vertices: 1 << 10, max_faces: 1 << 10 };
     let mut decoded = GridMesh::default();
-    decode_intra(&payload_of(&probe)?, &limits, &mut IntraDecoder::default(), &mut decoded)?;
+    decode_intra(
+        &encode_intra(&probe)?.payload(),
+        &limits,
+        &mut IntraDecoder::default(),
+        &mut decoded,
+    )?;
     Ok(decoded.positions.iter().map(|p| p[0] as u32).collect())
 }

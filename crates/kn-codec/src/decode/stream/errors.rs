@@ -23,21 +23,14 @@ impl StreamDecoder {
     }
 
     /// An error of the I-frame's mesh, placed in this file.
-    pub(super) fn intra_error(&self, error: IntraError, payload_start: u64) -> DecodeError {
+    pub(super) fn intra_error(&self, error: IntraError, sections_start: u64) -> DecodeError {
         match error {
             IntraError::Malformed { rule, at } => {
-                self.malformed(rule, payload_start + 8 * at as u64)
+                self.malformed(rule, sections_start + 8 * at as u64)
             }
             IntraError::Limit { what, asked, allowed } => {
-                let of_level = match what {
-                    "vertices" => self.level.max_vertices,
-                    _ => self.level.max_faces,
-                };
-                if asked > of_level {
-                    return self.malformed(rule::INTRA_SIZE_LEVEL, payload_start);
-                }
                 let (asked, allowed) = (u64::from(asked), u64::from(allowed));
-                DecodeErrorKind::Limit { what, asked, allowed, at: payload_start }.into()
+                DecodeErrorKind::Limit { what, asked, allowed, at: sections_start }.into()
             }
             // What only an encoder meets.
             IntraError::FaceIndex { .. }

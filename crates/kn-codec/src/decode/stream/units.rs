@@ -51,9 +51,11 @@ impl StreamDecoder {
     }
 
     fn decode_intra_frame(&mut self, mut bits: BitReader<'_, '_>) -> Result<Step, DecodeError> {
-        let frame = IntraFrame::read(&mut bits).map_err(|error| self.at(error))?;
-        // The payload is the last element, so it begins where the reader ends.
-        let payload_start = bits.position() - 8 * frame.payload.len() as u64;
+        let frame = IntraFrame::read(&mut bits, &self.level).map_err(|error| self.at(error))?;
+        let payload = &frame.payload;
+        let sections = payload.connectivity.len() + payload.geometry.len() + payload.labels.len();
+        // The sections are the last elements, so they begin where the reader ends.
+        let sections_start = bits.position() - 8 * sections as u64;
         bits.finish().map_err(|error| self.at(error))?;
         self.begin_group()?;
         let limits = IntraLimits {
@@ -62,9 +64,9 @@ impl StreamDecoder {
         };
         let decoder = &mut self.intra_decoder;
         self.group
-            .begin(frame.smoothing, |mesh| decode_intra(frame.payload, &limits, decoder, mesh))
-            .map_err(|error| self.intra_error(error, payload_start))?;
-        self.check_labels(payload_start)?;
+            .begin(frame.smoothing, |mesh| decode_intra(payload, &limits, decoder, mesh))
+            .map_err(|error| self.intra_error(error, sections_start))?;
+        self.check_labels(sections_start)?;
         self.show(&frame.header)?;
         if self.check_digests
             && frame.faces_digest.is_some_and(|digest| digest != faces_digest(self.faces()))
