@@ -4,6 +4,7 @@ use crate::encode::choices::{
     AffineChoice, CombinationChoice, Decimation, DistortionMeasure, LabelChoice, NodeChoice,
     NodePlacement, SmoothingChoice, StepChoice, TranslationChoice,
 };
+use crate::encode::tuning::Tuning;
 use kn_bitstream::params::{FileNames, FrameRate, InfluenceMode, UnitOfLength, UpAxis, Weights};
 use kn_fit::PartStart;
 use kn_mesh::{BoundingBox, Grid};
@@ -216,12 +217,9 @@ impl Default for MotionConfig {
 
 impl Default for RateConfig {
     fn default() -> Self {
-        Self { lambda: LAMBDA, distortion: DistortionMeasure::Surrogate }
+        Self { lambda: Tuning::default().rate.lambda, distortion: DistortionMeasure::Surrogate }
     }
 }
-
-/// The default λ (`docs/notes/choice.md`).
-const LAMBDA: f64 = 3e-5;
 
 /// The chainable setter of each field: `name: argument => part.field`.
 macro_rules! setters {

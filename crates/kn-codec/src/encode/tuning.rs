@@ -6,6 +6,8 @@ use crate::encode::failure::FailureTuning;
 /// Numbers that the encoder decides by and that are no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Tuning {
+    /// What the settings of the rate begin with.
+    pub(crate) rate: RateTuning,
     /// When a frame begins a new GoF.
     pub(crate) failure: FailureTuning,
     /// How many key nodes a GoF has, and which are affine.
@@ -18,6 +20,19 @@ pub(crate) struct Tuning {
     pub(crate) smoothing: SmoothingTuning,
     /// Decimation of I-frames.
     pub(crate) decimation: DecimationTuning,
+}
+
+/// What the settings of the rate begin with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RateTuning {
+    /// λ where the settings name none, in D per byte. J is flat around it (`docs/notes/choice.md`).
+    pub(crate) lambda: f64,
+}
+
+impl Default for RateTuning {
+    fn default() -> Self {
+        Self { lambda: 3e-5 }
+    }
 }
 
 /// Numbers for the choice of key nodes and of affine nodes. The numbers of bytes and
