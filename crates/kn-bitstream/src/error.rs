@@ -1,17 +1,17 @@
-//! What can be wrong with a stream, and where.
+//! Errors of a stream, with their place.
 
 use crate::rule::{self, Rule};
 
-/// An error with the place at which reading stopped.
+/// An error of a stream, with the bit at which reading stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Error {
-    /// What is wrong.
+    /// The kind of the error.
     pub kind: ErrorKind,
-    /// Bit offset, counted as the reader was told to count (see [`crate::BitReader::at`]).
+    /// Offset of the bit, counted from where the reader counts (see [`crate::BitReader::at`]).
     pub bit: u64,
 }
 
-/// What is wrong, by who can act.
+/// The kinds of errors. They differ in who can act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The bytes end inside a syntax element: the data is cut short.
@@ -28,22 +28,22 @@ pub enum ErrorKind {
     },
     /// The stream may be sound but asks for more than the caller allows.
     Limit {
-        /// What is limited.
+        /// The quantity that is limited.
         what: &'static str,
-        /// What the stream asks for.
+        /// The amount that the stream asks for.
         asked: u64,
-        /// What the caller allows.
+        /// The amount that the caller allows.
         allowed: u64,
     },
 }
 
 impl Error {
-    /// A broken rule at a bit offset.
+    /// The error for a rule that is broken at a bit offset.
     pub fn malformed(rule: Rule, bit: u64) -> Self {
         Self { kind: ErrorKind::Malformed { rule }, bit }
     }
 
-    /// A reserved value at a bit offset.
+    /// The error for a reserved value at a bit offset.
     pub fn unsupported(rule: Rule, bit: u64) -> Self {
         Self { kind: ErrorKind::Unsupported { rule }, bit }
     }

@@ -8,10 +8,10 @@ use crate::reader::BitReader;
 use crate::rule;
 use crate::writer::BitWriter;
 
-/// What stands before every frame.
+/// The header of a frame: its name and its digest.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameHeader {
-    /// Name of the input file, where the sequence's pattern does not give it; empty if absent.
+    /// Name of the input file. Empty where it is absent or the sequence's pattern gives it.
     pub name: String,
     /// First eight bytes of the SHA-256 of the decoded positions (chapter 9).
     pub positions_digest: Option<u64>,
@@ -52,17 +52,18 @@ impl FrameHeader {
     }
 }
 
-/// Greatest strength of smoothing (`intra.smoothing.range`).
+/// Largest strength of smoothing (`intra.smoothing.range`).
 pub const MAX_SMOOTHING: u8 = 5;
 
 /// An I-frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntraFrame<'a> {
-    /// What stands before every frame.
+    /// Name and digest of the frame.
     pub header: FrameHeader,
     /// First eight bytes of the SHA-256 of the faces; present with the positions' digest.
     pub faces_digest: Option<u64>,
-    /// How strongly the decoded positions are smoothed, 0 to [`MAX_SMOOTHING`]; 0 is not at all.
+    /// Strength of the smoothing of decoded positions, 0 to [`MAX_SMOOTHING`]. 0 means no
+    /// smoothing.
     pub smoothing: u8,
     /// The coded mesh.
     pub payload: IntraPayload<'a>,

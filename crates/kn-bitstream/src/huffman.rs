@@ -1,4 +1,4 @@
-//! The Cauchy-based Huffman codes: canonical codes from the normative tables.
+//! The Cauchy-based Huffman codes. They are canonical codes from the normative tables.
 
 use crate::tables::cauchy::{SHAPES, Shape};
 
@@ -26,16 +26,16 @@ pub struct CauchyTable {
     limit: [u32; MAX_LENGTH + 1],
 }
 
-/// Table `index` of chapter 2, γ/Δ = 2^((index − 8)/4).
+/// Returns table `index` of chapter 2, γ/Δ = 2^((index − 8)/4).
 ///
 /// # Panics
-/// Where `index` is not below [`TABLE_COUNT`].
+/// Panics where `index` is not below [`TABLE_COUNT`].
 pub fn cauchy_table(index: u8) -> &'static CauchyTable {
     &TABLES[usize::from(index)]
 }
 
 impl CauchyTable {
-    /// Bits that `value` takes in this table. For estimating rates.
+    /// Number of bits of `value` in this table, for estimates of rates.
     pub fn code_length(&self, value: i32) -> u32 {
         match value.unsigned_abs().checked_sub(self.max_magnitude + 1) {
             None => self.code_of(value).1,

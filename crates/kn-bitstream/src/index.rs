@@ -1,4 +1,4 @@
-//! The index: where the GoFs are (chapter 3.8).
+//! The index: the sizes of the GoFs of a file (chapter 3.8).
 
 use crate::error::Error;
 use crate::reader::BitReader;
@@ -9,19 +9,19 @@ use crate::writer::BitWriter;
 /// Bytes at the end of a file that hold `index_size` and the CRC of the index.
 pub const TAIL_BYTES: usize = 8;
 
-/// Where the GoFs are.
+/// The index of a file: the size of each GoF. A reader finds any GoF by it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Index {
     /// The GoFs in file order.
     pub groups: Vec<IndexGroup>,
 }
 
-/// One GoF.
+/// One GoF in the index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexGroup {
     /// Bytes from the start of this GoF's I-frame to that of the next or to the index.
     pub bytes: u32,
-    /// Number of frames.
+    /// Number of frames of the GoF.
     pub frames: u8,
 }
 

@@ -1,4 +1,4 @@
-//! Limits that a stream promises to keep (chapter 9).
+//! Levels: limits that a stream keeps (chapter 9).
 
 use crate::tables::levels::LEVELS;
 
@@ -8,15 +8,15 @@ pub const COORDINATE_LIMIT: i32 = 1 << 20;
 /// The limits of one level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Level {
-    /// Vertices of a frame.
+    /// Largest number of vertices of a frame.
     pub max_vertices: u32,
-    /// Faces of a frame.
+    /// Largest number of faces of a frame.
     pub max_faces: u32,
-    /// Key nodes of a GoF.
+    /// Largest number of key nodes of a GoF.
     pub max_nodes: u32,
-    /// Frames of a GoF.
+    /// Largest number of frames of a GoF.
     pub max_group_frames: u32,
-    /// Value of `unit_size`.
+    /// Largest value of `unit_size`.
     pub max_unit_bytes: u32,
 }
 

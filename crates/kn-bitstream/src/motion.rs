@@ -9,14 +9,14 @@ use crate::rule;
 use crate::symbol::{Bounds, EntropyMode, List, ValueList};
 use crate::writer::BitWriter;
 
-/// What must be known to read or write a P-frame.
+/// The values that the reader and the writer of a P-frame depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MotionContext {
-    /// Nodes of the GoF.
+    /// Number of key nodes of the GoF.
     pub node_count: u32,
-    /// How many of them are affine.
+    /// Number of affine nodes among them.
     pub affine_count: u32,
-    /// How many different labels they have.
+    /// Number of different labels that they have.
     pub part_count: u32,
     /// `translation_table` of the P-frame before; `None` in the first P-frame of a GoF.
     pub previous_table: Option<u8>,
@@ -29,11 +29,11 @@ pub struct MotionContext {
 /// where enabled. A step or table that no list needs is not in the stream and stays 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MotionFrame {
-    /// What stands before every frame.
+    /// Name and digest of the frame.
     pub header: FrameHeader,
-    /// How the lists are coded.
+    /// Entropy coding of the lists.
     pub entropy_mode: EntropyMode,
-    /// What `translation` is relative to.
+    /// Prediction of `translation`.
     pub translation_mode: TranslationMode,
     /// Combination of the affine nodes.
     pub enabled: Combination,
@@ -52,7 +52,7 @@ pub struct MotionFrame {
     /// PartCount × 3 where the mode is [`TranslationMode::SpatioTemporal`], else empty; in the step
     /// and the table of the P-frame before.
     pub translation_change: Vec<[i32; 3]>,
-    /// #N × 3, what is left of the translations after prediction.
+    /// #N × 3, residuals of the translations.
     pub translation: Vec<[i32; 3]>,
     /// RotationCount × 3, about x, y, z.
     pub rotation: Vec<[i32; 3]>,
@@ -94,7 +94,7 @@ fn read_enabled(
 }
 
 impl MotionContext {
-    /// How many nodes carry rotation, scale and shear.
+    /// Numbers of nodes that carry rotation, scale and shear.
     pub fn carriers(&self, enabled: Combination) -> [u32; 3] {
         let affine = self.affine_count;
         let rigid = self.node_count - affine.min(self.node_count);

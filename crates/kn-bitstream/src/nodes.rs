@@ -7,31 +7,31 @@ use crate::reader::BitReader;
 use crate::rule;
 use crate::writer::{BitWriter, best_rice, zigzag};
 
-/// What must be known to read key nodes.
+/// The values that the reader of key nodes depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyNodesContext {
-    /// Labels of the sequence.
+    /// Number of labels of the sequence.
     pub label_count: u32,
     /// Weight scheme of the sequence.
     pub weight_scheme: WeightScheme,
-    /// Vertices of the GoF's I-frame.
+    /// Number of vertices of the GoF's I-frame.
     pub vertex_count: u32,
-    /// Nodes that the level allows.
+    /// Largest number of nodes that the level allows.
     pub max_nodes: u32,
 }
 
 /// The key nodes of a GoF, in node order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyNodes {
-    /// Where the nodes are.
+    /// Places of the nodes.
     pub sites: NodeSites,
-    /// Which of them are affine.
+    /// Affine nodes.
     pub affine: AffineNodes,
     /// σ of the Gaussian weights in grid steps, 1 to 2^20 − 1; present with that scheme only.
     pub weight_sigma: Option<u32>,
 }
 
-/// Where the nodes are.
+/// The places of key nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NodeSites {
     /// Indices of I-frame vertices, strictly rising.
@@ -40,7 +40,7 @@ pub enum NodeSites {
     Points(Vec<[i32; 3]>),
 }
 
-/// Which nodes are affine; the others are rigid.
+/// The affine key nodes. The others are rigid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AffineNodes {
     /// No node.

@@ -9,9 +9,9 @@
 const FAST_SHIFT: usize = 4;
 /// Shift that limits the adaptation of [`BitModel`]'s slow estimate.
 const SLOW_SHIFT: usize = 7;
-/// Zero bytes that a decoder may read behind the end of its input.
+/// Number of zero bytes that a decoder may read behind the end of its input.
 pub const TAIL: usize = 8;
-/// Most bits that one call of [`BinaryCoder::raw`] codes.
+/// Largest number of bits that one call of [`BinaryCoder::raw`] codes.
 pub const RAW_LIMIT: u32 = 16;
 /// Least probability, in 1/65536, that a decision is coded with.
 const FLOOR: u32 = 160;
@@ -37,8 +37,8 @@ const fn rate(seen: usize, limit_shift: usize) -> u16 {
     (if mean > limit { mean as u16 } else { limit as u16 }) >> 1
 }
 
-/// Most bits of a gamma value behind the leading one: any value fits an `i32`, with a bit to spare for
-/// what is added to it.
+/// Most bits of a gamma value behind the leading one: any value fits an `i32`, with a bit to spare
+/// for what is added to it.
 const GAMMA_PLACES: usize = 30;
 
 /// The models of a gamma value, by place.
@@ -86,8 +86,8 @@ fn moved(estimate: u16, rate: u16, target: i32) -> u16 {
     (i32::from(estimate) + ((way * i32::from(rate)) >> 15)) as u16
 }
 
-/// One decision after another, written or read: code that is generic over it is encoder and decoder
-/// at once, which keeps the two in step.
+/// Codes one decision after another, as an encoder or as a decoder. Code that is generic over this
+/// trait is both at once, which keeps the two in step.
 pub trait BinaryCoder {
     /// Codes `bit` with `model` and adapts the model. A decoder ignores `bit`; both return the bit.
     fn bit(&mut self, model: &mut BitModel, bit: bool) -> bool;
@@ -96,8 +96,8 @@ pub trait BinaryCoder {
     fn raw(&mut self, value: u32, count: u32) -> u32;
 }
 
-/// Codes `value` < 2^31 − 1 as the length of `value + 1` in bits, less one, in unary with a model per
-/// place, then the bits behind the leading one, raw. (Elias' gamma code with a learnt prefix.)
+/// Codes `value` < 2^31 − 1 as the length of `value + 1` in bits, less one, in unary with a model
+/// per place, then the bits behind the leading one, raw. (Elias' gamma code with a learnt prefix.)
 pub fn code_gamma<C: BinaryCoder>(coder: &mut C, models: &mut GammaModels, value: u32) -> u32 {
     let written = value.saturating_add(1);
     let mut extra = 0u32;
@@ -123,7 +123,7 @@ pub struct RangeEncoder<'a> {
 }
 
 impl<'a> RangeEncoder<'a> {
-    /// Appends to `out`; what is in it stays untouched.
+    /// Makes an encoder that appends to `out`. The bytes in it stay as they are.
     pub fn new(out: &'a mut Vec<u8>) -> Self {
         let start = out.len();
         Self { out, start, low: 0, range: u64::MAX }
@@ -212,7 +212,7 @@ pub struct RangeDecoder<'a> {
 }
 
 impl<'a> RangeDecoder<'a> {
-    /// Starts at the first of `bytes`, which hold one stream and nothing else.
+    /// Makes a decoder of `bytes`, which hold one stream and nothing else.
     pub fn new(bytes: &'a [u8]) -> Self {
         let mut decoder = Self { bytes, taken: 0, offset: 0, range: u64::MAX };
         decoder.offset = u64::from(decoder.take()) << 32;
@@ -244,12 +244,12 @@ impl<'a> RangeDecoder<'a> {
         }
     }
 
-    /// Byte position for messages: how far the stream was needed, at most its length.
+    /// Number of bytes that were needed so far, at most the length of the stream, for messages.
     pub fn position(&self) -> usize {
         self.taken.saturating_sub(8).min(self.bytes.len())
     }
 
-    /// Whether more was asked for than the bytes can hold: an error in the stream.
+    /// Whether more decisions were read than the bytes can hold, which is an error of the stream.
     #[inline]
     pub fn is_exhausted(&self) -> bool {
         self.taken > self.bytes.len() + TAIL

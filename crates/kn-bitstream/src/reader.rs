@@ -1,4 +1,4 @@
-//! Bits to syntax elements: the descriptors of chapter 2, reading.
+//! Reading of syntax elements: the descriptors of chapter 2.
 
 use crate::error::{Error, ErrorKind};
 use crate::huffman::CauchyTable;
@@ -20,7 +20,8 @@ pub struct BitReader<'a, 't> {
     bytes: &'a [u8],
     /// Next byte that is not in the window.
     next: usize,
-    /// Unread bits from the top; below the `held` valid ones stand zeros or bits of `bytes[next..]`.
+    /// Unread bits from the top; below the `held` valid ones stand zeros or bits of
+    /// `bytes[next..]`.
     window: u64,
     held: u32,
     base: u64,
@@ -28,18 +29,18 @@ pub struct BitReader<'a, 't> {
 }
 
 impl<'a, 't> BitReader<'a, 't> {
-    /// A reader at the first bit of `bytes`.
+    /// Makes a reader at the first bit of `bytes`.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, next: 0, window: 0, held: 0, base: 0, trace: None }
     }
 
-    /// The same reader, which counts its first bit as `bit` in errors and traces.
+    /// Sets the number that the first bit has in errors and traces.
     pub fn at(mut self, bit: u64) -> Self {
         self.base = bit;
         self
     }
 
-    /// The same reader, which hands every element that it reads to `trace`.
+    /// Sets a trace, which is called with every element that is read.
     pub fn traced(mut self, trace: &'t mut Trace<'t>) -> Self {
         self.trace = Some(trace);
         self
@@ -50,12 +51,12 @@ impl<'a, 't> BitReader<'a, 't> {
         self.base + 8 * self.next as u64 - u64::from(self.held)
     }
 
-    /// An error unless `holds`.
+    /// Checks a rule: returns an error unless `holds`.
     pub fn require(&self, holds: bool, rule: Rule) -> Result<(), Error> {
         if holds { Ok(()) } else { Err(Error::malformed(rule, self.position())) }
     }
 
-    /// An error that says "reserved" unless `holds`.
+    /// Checks a rule that reserves values: returns [`ErrorKind::Unsupported`] unless `holds`.
     pub fn require_supported(&self, holds: bool, rule: Rule) -> Result<(), Error> {
         if holds { Ok(()) } else { Err(Error::unsupported(rule, self.position())) }
     }
@@ -155,7 +156,7 @@ impl<'a, 't> BitReader<'a, 't> {
         Ok(value)
     }
 
-    /// Steps to the next byte boundary and demands that nothing is left.
+    /// Goes to the next byte boundary and checks that no byte is left.
     pub fn finish(mut self) -> Result<(), Error> {
         let padding = self.take(self.held % 8)?;
         self.require(padding == 0, rule::UNIT_ALIGN_ZERO)?;

@@ -1,4 +1,4 @@
-//! The sequence header: what holds for the whole file (chapter 3.3).
+//! The sequence header: parameters of the whole file (chapter 3.3).
 
 use crate::error::Error;
 use crate::level::Level;
@@ -14,7 +14,7 @@ pub const VERSION: u8 = 0;
 /// The Huffman profile.
 pub const PROFILE_MAIN: u8 = 0;
 
-/// What holds for the whole file.
+/// The sequence header: parameters of the whole file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceHeader {
     /// Number of the level whose limits the stream keeps.
@@ -23,19 +23,19 @@ pub struct SequenceHeader {
     pub frame_rate: FrameRate,
     /// The axis that points up.
     pub up_axis: UpAxis,
-    /// What a world unit is.
+    /// Unit of world coordinates.
     pub unit_of_length: UnitOfLength,
     /// Fractional bits of a reference position, 0 to 8.
     pub fraction_bits: u8,
-    /// No GoF is longer.
+    /// Largest number of frames of a GoF.
     pub max_group_length: u8,
-    /// Q: nodes that influence a vertex, 1 to 8.
+    /// Q: number of nodes that influence a vertex, 1 to 8.
     pub nodes_per_vertex: u8,
-    /// How weights fall with the distance.
+    /// Weights of the nodes by their distance from the vertex.
     pub weight_scheme: WeightScheme,
-    /// What happens in a region without nodes.
+    /// Influence in a region without nodes.
     pub influence_mode: InfluenceMode,
-    /// Which labels vertices have.
+    /// Labels of the vertices, and their regions.
     pub labels: LabelSet,
     /// World position of the grid's origin.
     pub grid_origin: [f64; 3],

@@ -46,14 +46,14 @@ pub struct Symbol {
     pub entry: u32,
     /// Its coordinate, 0 to 2.
     pub axis: u32,
-    /// Table that the frame names for the list.
+    /// Huffman table of the list.
     pub table: u8,
 }
 
 /// Codes one value after another. Code that is generic over it describes reading, writing and
 /// counting bits at once, as with [`crate::range::BinaryCoder`].
 pub trait SymbolCoder {
-    /// Why a value cannot be coded.
+    /// The reason why a value cannot be coded.
     type Error;
 
     /// Codes `value` and returns it. A reader ignores `value` and returns what it reads.
@@ -69,7 +69,7 @@ pub trait SymbolCoder {
     fn require(&self, holds: bool, rule: Rule) -> Result<(), Self::Error>;
 }
 
-/// How the values of a P-frame are coded (`entropy_mode`).
+/// The entropy coding of the values of a P-frame (`entropy_mode`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum EntropyMode {
@@ -113,7 +113,7 @@ impl EntropyMode {
         }
     }
 
-    /// Bits that `values` take in a list with table `table`.
+    /// Number of bits of `values` in a list with table `table`.
     pub fn bits(self, list: ValueList, values: &[[i32; 3]], table: u8) -> u64 {
         match self {
             Self::Huffman => {
@@ -147,7 +147,7 @@ pub(crate) struct List {
     pub(crate) bounds: Option<Bounds>,
 }
 
-/// What holds for value · step.
+/// The range of value · step, and its rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {
     pub(crate) step: i64,
@@ -242,7 +242,7 @@ impl SymbolCoder for HuffmanWriter<'_> {
     }
 }
 
-/// Counts what a [`HuffmanWriter`] would write.
+/// Counts the bits that a [`HuffmanWriter`] would write.
 #[derive(Default)]
 struct HuffmanCounter {
     bits: u64,

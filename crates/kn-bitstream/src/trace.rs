@@ -1,4 +1,5 @@
-//! Every syntax element as it is read: for `kn dump`, and to compare two parsers.
+//! The trace of syntax elements as they are read. `kn dump` prints it, and tests compare two
+//! parsers by it.
 
 /// Name of a syntax element with its array indices, as in `translation[4][2]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +67,8 @@ impl std::fmt::Display for Value<'_> {
             Self::Unsigned(value) => write!(f, "{value}"),
             Self::Word(value) => write!(f, "0x{value:x}"),
             Self::Signed(value) => write!(f, "{value}"),
-            // The shortest decimal that reads back to the same bits; what has none is given as bits.
+            // The shortest decimal that reads back to the same bits; what has none is given as
+            // bits.
             Self::Float(value) if value.is_finite() => write!(f, "{value:?}"),
             Self::Float(value) => write!(f, "0x{:x}", value.to_bits()),
             Self::Bytes(bytes) => {
@@ -80,7 +82,7 @@ impl std::fmt::Display for Value<'_> {
 /// One syntax element of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element<'v> {
-    /// Offset of its first bit, counted as the reader was told to count.
+    /// Offset of its first bit, counted from where the reader counts.
     pub bit: u64,
     /// Its name.
     pub name: Name,
@@ -88,5 +90,5 @@ pub struct Element<'v> {
     pub value: Value<'v>,
 }
 
-/// Called with every element as it is read.
+/// A function that is called with every element as it is read.
 pub type Trace<'t> = dyn FnMut(&Element<'_>) + 't;

@@ -1,4 +1,4 @@
-//! The frame around every structure: type, size, CRC.
+//! Units: the type, the size and the CRC around every structure.
 
 use crate::error::{Error, ErrorKind};
 use crate::level::Level;
@@ -20,33 +20,33 @@ pub const KEY_NODES: u8 = 3;
 pub const MOTION_FRAME: u8 = 4;
 /// `unit_type` of the index.
 pub const INDEX: u8 = 5;
-/// The lowest `unit_type` that a decoder steps over.
+/// The lowest `unit_type` that a decoder skips.
 pub const FIRST_SKIPPABLE: u8 = 128;
 
-/// Off while fuzzing, so that mutations get past the frame.
+/// Whether CRCs are checked. They are not while fuzzing, so that mutations get past them.
 const CHECK_CRC: bool = !cfg!(fuzzing);
 
-/// Bytes of the CRC that ends a unit.
+/// Number of bytes of the CRC that ends a unit.
 const CRC_BYTES: usize = 4;
-/// The most bytes that `unit_type` and `unit_size` take.
+/// Largest number of bytes of `unit_type` and `unit_size`.
 const MAX_HEADER_BYTES: usize = 6;
 
 /// A whole unit, its CRC checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit<'a> {
-    /// What the payload is.
+    /// Type of the unit.
     pub unit_type: u8,
-    /// The structure, without type, size and CRC.
+    /// Bytes of the structure, without type, size and CRC.
     pub payload: &'a [u8],
-    /// Bytes before the payload.
+    /// Number of bytes before the payload.
     pub header_len: usize,
-    /// Bytes of the whole unit.
+    /// Number of bytes of the whole unit.
     pub total_len: usize,
     /// The CRC as it stands in the stream.
     pub crc: u32,
 }
 
-/// What the bytes at the start of a unit hold.
+/// The result of [`read_unit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Framing<'a> {
     /// The unit is not complete: at least this many further bytes are needed.
@@ -55,12 +55,12 @@ pub enum Framing<'a> {
     Unit(Unit<'a>),
 }
 
-/// The largest `unit_size` to accept.
+/// The largest values of `unit_size` that are accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SizeLimits {
-    /// Of the stream's level: above it the stream is malformed.
+    /// The limit of the stream's level. Above it the stream is malformed.
     pub level: u32,
-    /// Of the caller: above it the stream may be sound.
+    /// The limit of the caller. Above it the stream may be sound.
     pub caller: u32,
 }
 
@@ -72,13 +72,13 @@ impl Default for SizeLimits {
     }
 }
 
-/// Reads the unit at the start of `bytes`, as far as they go.
+/// Reads the unit at the start of `bytes`, which may not hold all of it yet.
 ///
 /// The limits are checked as soon as the size is known, so that a caller never collects more. Bits
 /// of errors count from the start of `bytes`. Safe on untrusted input; allocates nothing.
 ///
 /// # Errors
-/// An unknown unit type, a size above a limit, a wrong CRC.
+/// The type is unknown, the size is above a limit, or the CRC is wrong.
 pub fn read_unit(bytes: &[u8], limits: SizeLimits) -> Result<Framing<'_>, Error> {
     let mut bits = BitReader::new(&bytes[..bytes.len().min(MAX_HEADER_BYTES)]);
     let (unit_type, size) = match read_header(&mut bits, limits) {
@@ -155,7 +155,7 @@ pub fn write_unit(out: &mut Vec<u8>, unit_type: u8, payload: &[u8]) {
     out.extend_from_slice(&crc.to_be_bytes());
 }
 
-/// Bytes of a whole unit whose payload has `size` bytes.
+/// Number of bytes of a whole unit whose payload has `size` bytes.
 pub fn unit_len(size: u32) -> u32 {
     let groups = (u32::BITS - (size | 1).leading_zeros()).div_ceil(7);
     1 + groups + size + CRC_BYTES as u32

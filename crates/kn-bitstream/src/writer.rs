@@ -1,11 +1,10 @@
-//! Syntax elements to bits: the descriptors of chapter 2, writing.
+//! Writing of syntax elements: the descriptors of chapter 2.
 
 use crate::huffman::CauchyTable;
 
 /// Writes syntax elements, most significant bit first. The mirror of [`crate::BitReader`].
 ///
-/// Values are written as they are given: that they are in range is the caller's business, and a
-/// value out of range gives a stream that a reader refuses.
+/// The writer does not check values. A value out of range gives a stream that a reader refuses.
 #[derive(Debug, Default)]
 pub struct BitWriter {
     bytes: Vec<u8>,
@@ -15,7 +14,7 @@ pub struct BitWriter {
 }
 
 impl BitWriter {
-    /// A writer without bits.
+    /// Makes an empty writer.
     pub fn new() -> Self {
         Self::default()
     }
@@ -82,14 +81,14 @@ impl BitWriter {
         }
     }
 
-    /// Zero bits up to the next byte boundary.
+    /// Writes zero bits up to the next byte boundary.
     pub fn byte_align(&mut self) {
         if self.held > 0 {
             self.put(0, 8 - self.held);
         }
     }
 
-    /// The bytes, aligned.
+    /// Aligns the writer and returns its bytes.
     pub fn into_bytes(mut self) -> Vec<u8> {
         self.byte_align();
         self.bytes

@@ -1,12 +1,13 @@
 //! Bjøntegaard delta rate between two rate-distortion curves.
 //!
-//! G. Bjøntegaard, «Calculation of average PSNR differences between RD-curves», VCEG-M33 (2001),
-//! with the cubic polynomial of the original and with the piecewise cubic (PCHIP) of today.
+//! Source: G. Bjøntegaard, «Calculation of average PSNR differences between RD-curves», VCEG-M33
+//! (2001). Both interpolations are computed: the cubic polynomial of the original, and the
+//! piecewise cubic (PCHIP) that is usual today.
 
-/// Below this share of common quality range a delta says little about the curves.
+/// Smallest share of common quality range at which a delta says enough about the curves.
 const SMALL_OVERLAP: f64 = 0.75;
 
-/// Why there is no delta.
+/// The reason why there is no delta.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BdError {
@@ -15,15 +16,15 @@ pub enum BdError {
     BadPoint {
         /// "anchor" or "test".
         curve: &'static str,
-        /// Which point.
+        /// Index of the point.
         index: usize,
     },
-    /// Fewer than two points that are not dominated.
+    /// A curve has fewer than two points that are not dominated.
     #[error("the {curve} curve has {left} points that no other point dominates; two are needed")]
     TooFewPoints {
         /// "anchor" or "test".
         curve: &'static str,
-        /// Points left.
+        /// Number of points that are left.
         left: usize,
     },
     /// The curves have no quality in common.
@@ -36,34 +37,35 @@ pub enum BdError {
 pub struct RatePoint {
     /// Bytes or bits, in the same unit on both curves.
     pub rate: f64,
-    /// The larger the better: decibels, or 1 − MSDM2.
+    /// Quality, of which more is better: decibels, or 1 − MSDM2.
     pub quality: f64,
 }
 
-/// How much more rate the test curve needs for the quality of the anchor, on average.
+/// The Bjøntegaard delta rate: how much more rate the test curve needs than the anchor for the same
+/// quality, on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BdRate {
     /// Per cent, from piecewise cubic interpolation; negative where the test curve saves.
     pub pchip: f64,
     /// Per cent, from one cubic fitted to each curve; needs four points on both.
     pub cubic: Option<f64>,
-    /// The common range of qualities over the whole range, 0..=1.
+    /// The common range of qualities divided by the whole range, 0..=1.
     pub overlap: f64,
-    /// Points left out because another has more quality for no more rate.
+    /// Numbers of points left out because another has more quality for no more rate.
     pub dominated: Dominated,
 }
 
 /// Numbers of points of both curves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dominated {
-    /// Of the anchor.
+    /// Number of points of the anchor.
     pub anchor: usize,
-    /// Of the test curve.
+    /// Number of points of the test curve.
     pub test: usize,
 }
 
 impl BdRate {
-    /// Whether the curves share so little that the value should not be trusted.
+    /// Whether the curves share too little quality for a value that can be trusted.
     pub fn overlap_is_small(&self) -> bool {
         self.overlap < SMALL_OVERLAP
     }
@@ -72,7 +74,7 @@ impl BdRate {
 /// The Bjøntegaard delta rate of `test` against `anchor`, points in any order.
 ///
 /// # Errors
-/// Values that are not finite, fewer than two useful points, no common quality.
+/// A value is not finite, a curve has fewer than two useful points, or no quality is common.
 pub fn bd_rate(anchor: &[RatePoint], test: &[RatePoint]) -> Result<BdRate, BdError> {
     let (anchor, anchor_dominated) = Curve::new("anchor", anchor)?;
     let (test, test_dominated) = Curve::new("test", test)?;

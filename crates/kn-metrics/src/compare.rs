@@ -14,7 +14,7 @@ mod serial;
 
 pub use result::{Comparison, Metric, UnknownMetric};
 
-/// Why two meshes cannot be compared.
+/// The reason why two meshes cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
@@ -38,14 +38,14 @@ pub enum CompareError {
     NotPrepared,
 }
 
-/// Which metrics are computed, and by how many samples.
+/// Options of a comparison: the metrics that are computed, and the number of samples.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CompareOptions {
     /// The box that relative distances (its diagonal) and decibels (its longest side) refer to. For
     /// a sequence it is the box of the whole reference. `None` is the box of the reference mesh.
     pub bounds: Option<BoundingBox>,
-    /// Area-uniform samples on each surface for point-to-surface distances.
+    /// Number of samples on each surface for point-to-surface distances, uniform by area.
     pub samples: usize,
     /// Whether MSDM2 is computed, in both directions.
     pub msdm2: bool,
@@ -57,21 +57,21 @@ pub struct CompareOptions {
     pub grid: Option<usize>,
 }
 
-/// MPEG's common test conditions.
+/// Number of grid lines in MPEG's common test conditions.
 const GRID_LINES: usize = 1024;
 
 impl CompareOptions {
-    /// Point-to-surface distances only.
+    /// Options for point-to-surface distances only.
     pub fn distances() -> Self {
         Self { bounds: None, samples: 100_000, msdm2: false, projected: false, grid: None }
     }
 
-    /// Point-to-surface distances and MSDM2.
+    /// Options for point-to-surface distances and MSDM2.
     pub fn perceptual() -> Self {
         Self { msdm2: true, ..Self::distances() }
     }
 
-    /// The same metrics relative to this box.
+    /// Sets the box that the metrics are relative to.
     pub fn with_bounds(self, bounds: BoundingBox) -> Self {
         Self { bounds: Some(bounds), ..self }
     }
@@ -99,10 +99,11 @@ pub fn compare(
     compare_surfaces(&reference?, &distorted?, options)
 }
 
-/// The same of surfaces that are prepared already, with these options or with options that name more.
+/// Measures like [`compare`], on surfaces that are prepared already. They must be prepared with
+/// these options or with options that name more metrics.
 ///
 /// # Errors
-/// As for [`compare`]; MSDM2 of a surface that was prepared without it.
+/// The errors of [`compare`], or MSDM2 of a surface that was prepared without it.
 pub fn compare_surfaces(
     reference: &Surface,
     distorted: &Surface,
@@ -130,17 +131,17 @@ pub fn compare_surfaces(
 /// Marked faces of both surfaces, such as those of a body part.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceMarks<'m> {
-    /// `#F` of the reference.
+    /// `#F` marks of the reference.
     pub reference: &'m [bool],
-    /// `#F` of the distorted surface.
+    /// `#F` marks of the distorted surface.
     pub distorted: &'m [bool],
 }
 
-/// Point-to-surface distances of marked faces: samples of the marked faces of either side against the
-/// whole other surface. The other metrics are those of whole meshes and are left out.
+/// Point-to-surface distances of marked faces: samples of the marked faces of either side against
+/// the whole other surface. The other metrics are those of whole meshes and are left out.
 ///
 /// # Errors
-/// As for [`compare`]; marks that are not one per face; no marked face with area.
+/// The errors of [`compare`]; the marks are not one per face; or no marked face has an area.
 pub fn compare_faces(
     reference: &Surface,
     distorted: &Surface,

@@ -17,7 +17,7 @@ const CHUNK: usize = 1024;
 /// How much farther than the nearest a point may be to count as equally near.
 const EQUAL: f64 = 1.0 + 1e-9;
 
-/// Why a mesh gives no points.
+/// The reason why points cannot be made of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointError {
@@ -41,7 +41,7 @@ pub enum PointError {
     BadGrid,
 }
 
-/// Points with normals; no two at the same place.
+/// Points with normals. No two points are at the same place.
 pub struct PointCloud {
     points: Vec<Vec3>,
     /// Unit, or zero where undefined.
@@ -49,17 +49,17 @@ pub struct PointCloud {
     tree: ImmutableKdTree<f64, 3>,
 }
 
-/// Mean squared distances of both directions, in squared world units.
+/// Mean squared distances in both directions, in squared world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanSquares {
-    /// From the points of the reference.
+    /// Mean over the points of the reference.
     pub from_reference: f64,
-    /// From the points of the other cloud.
+    /// Mean over the points of the other cloud.
     pub from_other: f64,
 }
 
 impl MeanSquares {
-    /// The larger one.
+    /// The larger of both.
     pub fn worse(&self) -> f64 {
         self.from_reference.max(self.from_other)
     }
@@ -68,29 +68,30 @@ impl MeanSquares {
 /// D1 and D2 between two clouds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointDistortion {
-    /// Point to point.
+    /// D1, point to point.
     pub d1: MeanSquares,
-    /// Point to plane.
+    /// D2, point to plane.
     pub d2: MeanSquares,
 }
 
 impl PointDistortion {
-    /// `10·log10(3·peak² / mse)` of D1, the worse direction.
+    /// PSNR of D1 in the worse direction, `10·log10(3·peak² / mse)`.
     pub fn d1_psnr(&self, peak: f64) -> f64 {
         psnr(self.d1.worse(), peak)
     }
 
-    /// `10·log10(3·peak² / mse)` of D2, the worse direction.
+    /// PSNR of D2 in the worse direction, `10·log10(3·peak² / mse)`.
     pub fn d2_psnr(&self, peak: f64) -> f64 {
         psnr(self.d2.worse(), peak)
     }
 }
 
 impl PointCloud {
-    /// The vertices, with normals weighted by the area of the faces around (`#V × 3`, `#F × 3`).
+    /// Makes points of the vertices, with normals weighted by the area of the faces around (`#V ×
+    /// 3`, `#F × 3`).
     ///
     /// # Errors
-    /// What [`TriangleTree::new`](crate::TriangleTree::new) refuses.
+    /// The errors of [`TriangleTree::new`](crate::TriangleTree::new).
     pub fn from_vertices(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, PointError> {
         check(positions, faces)?;
         let mut normals = vec![[0.0; 3]; positions.len()];
@@ -105,10 +106,10 @@ impl PointCloud {
         Self::merged(positions.iter().copied().zip(normals).collect())
     }
 
-    /// Where the lines of a grid meet the faces, with the faces' normals.
+    /// Makes points where the lines of a grid meet the faces, with the faces' normals.
     ///
     /// # Errors
-    /// What [`TriangleTree::new`](crate::TriangleTree::new) refuses; no hit, or too many.
+    /// The errors of [`TriangleTree::new`](crate::TriangleTree::new), no hit, or too many hits.
     pub fn from_grid(
         positions: &[[f64; 3]],
         faces: &[[u32; 3]],
@@ -144,12 +145,12 @@ impl PointCloud {
         Ok(Self { points: unique, normals, tree })
     }
 
-    /// How many points.
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.points.len()
     }
 
-    /// Never: a cloud is only made with points.
+    /// Whether there are no points. A cloud always has points, so this is false.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }

@@ -37,7 +37,7 @@ const RADIUS_STEP: f64 = 0.001;
 /// Below this, fourth powers of edges leave binary64.
 const LEAST_SIDE: f64 = 1e-60;
 
-/// Why MSDM2 cannot be computed.
+/// The reason why MSDM2 cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Msdm2Error {
@@ -48,15 +48,15 @@ pub enum Msdm2Error {
     /// in.
     #[error("the mesh has no extent")]
     NoExtent,
-    /// No level, or too many.
+    /// There are no levels, or too many.
     #[error("{levels} levels asked for; 1 to {MAX_LEVELS} are defined")]
     Levels {
-        /// The number asked for.
+        /// The number of levels that was asked for.
         levels: usize,
     },
 }
 
-/// Where a matched triangle's curvature is interpolated.
+/// The point at which the curvature of a matched triangle is interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// At the distorted vertex itself, as the reference program does. Where the closest point is
@@ -91,11 +91,12 @@ pub struct Msdm2Surface {
 /// MSDM2 from one distorted mesh to its original.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Msdm2Direction {
-    /// 0 for equal surfaces with equal tessellation, below 1.
+    /// The distance: 0 for equal surfaces with equal tessellation, below 1.
     pub score: f64,
-    /// `#V` of the distorted mesh, the mean of its levels for each vertex; 0 where isolated.
+    /// `#V` of the distorted mesh: the mean over the levels for each vertex, 0 for isolated
+    /// vertices.
     pub local: Vec<f64>,
-    /// Vertices without an edge, which do not enter the score.
+    /// Number of vertices without an edge. They do not enter the score.
     pub isolated: usize,
 }
 
@@ -104,9 +105,10 @@ pub struct Msdm2Direction {
 pub struct Msdm2 {
     /// The mean of both directions.
     pub symmetric: f64,
-    /// How the degraded mesh differs from the reference: values on the degraded mesh (D→O, `ab`).
+    /// The distance of the distorted mesh from the reference, with values on the distorted mesh
+    /// (D→O, `ab`).
     pub forward: Msdm2Direction,
-    /// The reverse, with values on the reference (`ba`).
+    /// The reverse direction, with values on the reference (`ba`).
     pub backward: Msdm2Direction,
 }
 
@@ -119,8 +121,8 @@ impl Msdm2Surface {
     /// without area the curvature is 0.
     ///
     /// # Errors
-    /// What [`TriangleTree::new`] refuses, a mesh whose used vertices all coincide, no level or
-    /// more than [`MAX_LEVELS`].
+    /// The errors of [`TriangleTree::new`]; all used vertices coincide; there is no level, or more
+    /// than [`MAX_LEVELS`].
     pub fn new(
         positions: &[[f64; 3]],
         faces: &[[u32; 3]],
@@ -159,7 +161,7 @@ impl Msdm2Surface {
         })
     }
 
-    /// The tree over the faces.
+    /// The BVH over the faces.
     pub fn tree(&self) -> &TriangleTree {
         &self.tree
     }
@@ -174,7 +176,7 @@ impl Msdm2Surface {
     }
 }
 
-/// Both directions and their mean. The levels are those of `reference`.
+/// Computes MSDM2 in both directions, and the mean. The levels are those of `reference`.
 pub fn msdm2(
     reference: &Msdm2Surface,
     degraded: &Msdm2Surface,
@@ -185,7 +187,7 @@ pub fn msdm2(
     Msdm2 { symmetric: 0.5 * (forward.score + backward.score), forward, backward }
 }
 
-/// How `distorted` differs from `original`. The levels are those of `original`.
+/// Computes MSDM2 from `distorted` to `original`. The levels are those of `original`.
 pub fn msdm2_one_way(
     original: &Msdm2Surface,
     distorted: &Msdm2Surface,

@@ -9,22 +9,22 @@ use kn_mesh::vec3::{Vec3, cross, mul_add, norm, sub};
 /// Samples that share hints, a thread and a partial sum.
 const CHUNK: usize = 1024;
 
-/// Why no distance can be measured.
+/// The reason why distances cannot be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum P2sError {
     /// The mesh has no faces, or indices or coordinates that cannot be used.
     #[error(transparent)]
     Mesh(#[from] TreeError),
-    /// The mask has not one entry for each vertex or face.
+    /// The mask does not have one entry for each vertex or face.
     #[error("the mask has {found} entries instead of {expected}")]
     MaskLength {
-        /// `#V` or `#F`.
+        /// The number of entries that it should have, `#V` or `#F`.
         expected: usize,
-        /// What the mask has.
+        /// The number of entries that it has.
         found: usize,
     },
-    /// Nothing to measure from: no vertex, no area, or a mask that excludes all of it.
+    /// There are no samples: no vertex, no area, or a mask that excludes everything.
     #[error("there is nothing to sample")]
     NoSamples,
 }
@@ -32,13 +32,13 @@ pub enum P2sError {
 /// Distances from the samples of one surface to another surface, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances {
-    /// How many samples.
+    /// Number of samples.
     pub count: usize,
     /// Mean of the squared distances.
     pub mean_squared: f64,
     /// Mean of the distances.
     pub mean: f64,
-    /// The largest: the one-sided Hausdorff distance as far as the samples see it.
+    /// Largest distance: the one-sided Hausdorff distance over the samples.
     pub max: f64,
 }
 
@@ -52,34 +52,35 @@ pub struct P2s {
 }
 
 impl Distances {
-    /// Root of the mean square.
+    /// RMS distance.
     pub fn rms(&self) -> f64 {
         self.mean_squared.sqrt()
     }
 
-    /// `10·log10(3·peak² / mse)` in decibels; infinite where nothing differs.
+    /// PSNR in decibels, `10·log10(3·peak² / mse)`; infinite where nothing differs.
     pub fn psnr(&self, peak: f64) -> f64 {
         psnr(self.mean_squared, peak)
     }
 }
 
 impl P2s {
-    /// Root of the mean square, of the worse direction.
+    /// RMS distance in the worse direction.
     pub fn rms(&self) -> f64 {
         self.from_reference.rms().max(self.from_other.rms())
     }
 
-    /// Mean distance, of the worse direction.
+    /// Mean distance in the worse direction.
     pub fn mean(&self) -> f64 {
         self.from_reference.mean.max(self.from_other.mean)
     }
 
-    /// The Hausdorff distance as far as the samples see it: a lower bound.
+    /// The Hausdorff distance over the samples, a lower bound of the exact one.
     pub fn hausdorff(&self) -> f64 {
         self.from_reference.max.max(self.from_other.max)
     }
 
-    /// Decibels of the worse direction; `peak` is usually the longest side of the sequence's box.
+    /// PSNR in the worse direction, in decibels. `peak` is usually the longest side of the
+    /// sequence's box.
     pub fn psnr(&self, peak: f64) -> f64 {
         self.from_reference.psnr(peak).min(self.from_other.psnr(peak))
     }
@@ -90,10 +91,11 @@ pub(crate) fn psnr(mean_squared: f64, peak: f64) -> f64 {
     10.0 * libm::log10(3.0 * peak * peak / mean_squared)
 }
 
-/// Distances from `points` (`#P × 3`) to a surface; with `keep` (`#P`) only from those marked.
+/// Measures the distances from `points` (`#P × 3`) to a surface. With `keep` (`#P`) only marked
+/// points are measured.
 ///
 /// # Errors
-/// A mask of another length; no points.
+/// The mask has another length, or there are no points.
 pub fn distances_to_surface(
     points: &[[f64; 3]],
     keep: Option<&[bool]>,
@@ -157,11 +159,11 @@ fn sum_distances(points: &[Vec3], keep: Option<&[bool]>, surface: &TriangleTree)
     sums
 }
 
-/// Vertex-sampled distances in both directions: exact at every vertex, and the fastest way to see
-/// what an encoder's choice costs.
+/// Measures the distances of all vertices, in both directions. The samples are the vertices alone:
+/// this is the fastest way to see the effect of an encoder's choice.
 ///
 /// # Errors
-/// A mesh without vertices.
+/// A mesh has no vertices.
 pub fn p2s_of_vertices(
     reference: IndexedMesh<'_>,
     other: IndexedMesh<'_>,
@@ -172,14 +174,14 @@ pub fn p2s_of_vertices(
     })
 }
 
-/// Points spread evenly over a surface, deterministic: about `count` in all (`#P × 3`). With
-/// `keep` (`#F`) only over the marked faces.
+/// Spreads about `count` points evenly over a surface (`#P × 3`). The result is deterministic. With
+/// `keep` (`#F`) the points lie on marked faces only.
 ///
 /// The area is cut into `count` equal parts with one point each, along a low-discrepancy sequence
 /// inside the faces.
 ///
 /// # Errors
-/// What [`TriangleTree::new`] refuses; a mask of another length; no area.
+/// The errors of [`TriangleTree::new`]; the mask has another length; or there is no area.
 pub fn sample_surface(
     positions: &[[f64; 3]],
     faces: &[[u32; 3]],
@@ -223,11 +225,11 @@ fn sample_in_triangle([a, b, c]: [Vec3; 3], index: usize) -> Vec3 {
     mul_add(mul_add(a, v, sub(b, a)), w, sub(c, a))
 }
 
-/// `count` area-uniform samples each way and their exact closest points; the maximum also looks at
-/// all vertices.
+/// Measures the distances of `count` samples in each direction, uniform by area, to their exact
+/// closest points. All vertices count for the maximum too.
 ///
 /// # Errors
-/// A mesh that cannot be used or has no area.
+/// A mesh cannot be used or has no area.
 pub fn p2s(
     reference: IndexedMesh<'_>,
     other: IndexedMesh<'_>,

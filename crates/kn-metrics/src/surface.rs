@@ -1,4 +1,4 @@
-//! Meshes as the metrics take them: borrowed, with a tree over the faces, or fully prepared.
+//! Meshes as the metrics take them: borrowed, with a BVH over the faces, or fully prepared.
 
 use kn_mesh::{BoundingBox, Mesh, TriangleMesh};
 
@@ -16,8 +16,8 @@ pub struct MeshRef<'m> {
 }
 
 impl<'m> MeshRef<'m> {
-    /// A mesh of `positions` (`#V × 3`) and `faces` (`#F × 3` indices into `positions`). Nothing is
-    /// checked here: every metric checks what it is given.
+    /// Makes a mesh of `positions` (`#V × 3`) and `faces` (`#F × 3` indices into `positions`).
+    /// Nothing is checked here: every metric checks its meshes.
     pub fn new(positions: &'m [[f64; 3]], faces: &'m [[u32; 3]]) -> Self {
         Self { positions, faces }
     }
@@ -37,24 +37,24 @@ impl<'m> From<&'m TriangleMesh<f64>> for MeshRef<'m> {
     }
 }
 
-/// A mesh and the tree over its faces.
+/// A mesh and the BVH over its faces.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexedMesh<'m> {
     /// The mesh.
     pub mesh: MeshRef<'m>,
-    /// The tree over the same faces.
+    /// The BVH over the same faces.
     pub tree: &'m TriangleTree,
 }
 
 impl<'m> IndexedMesh<'m> {
-    /// A mesh and `tree`, which was made of the same mesh.
+    /// Joins a mesh and `tree`, which must be made of the same mesh.
     pub fn new(mesh: MeshRef<'m>, tree: &'m TriangleTree) -> Self {
         Self { mesh, tree }
     }
 }
 
-/// A mesh prepared to be compared with others. Preparing costs the tree, and for MSDM2 the
-/// curvature: a mesh that is compared several times is prepared once.
+/// A mesh that is prepared for comparisons. Preparing builds the BVH and, for MSDM2, computes the
+/// curvature. A mesh that is compared several times is prepared once.
 #[derive(Clone, Debug)]
 pub struct Surface {
     positions: Vec<[f64; 3]>,
@@ -73,8 +73,8 @@ impl Surface {
     /// Prepares a mesh for the metrics that `options` name.
     ///
     /// # Errors
-    /// A mesh without faces, with a face that names no vertex, or with coordinates that are not
-    /// finite; for MSDM2 also a mesh without extent.
+    /// The mesh has no faces, a face names no vertex, or a coordinate is not finite; for MSDM2
+    /// also: the mesh has no extent.
     pub fn new(mesh: MeshRef<'_>, options: &CompareOptions) -> Result<Self, CompareError> {
         let prepared = if options.msdm2 {
             let surface = Msdm2Surface::new(mesh.positions, mesh.faces, DEFAULT_LEVELS)?;
@@ -88,7 +88,7 @@ impl Surface {
     /// Prepares a mesh with coordinates in binary32.
     ///
     /// # Errors
-    /// As for [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn of_mesh(mesh: &Mesh, options: &CompareOptions) -> Result<Self, CompareError> {
         Self::new(MeshRef::new(&mesh.positions_f64(), &mesh.faces), options)
     }
@@ -98,7 +98,7 @@ impl Surface {
         MeshRef::new(&self.positions, &self.faces)
     }
 
-    /// The tree over the faces.
+    /// The BVH over the faces.
     pub fn tree(&self) -> &TriangleTree {
         match &self.prepared {
             Prepared::Distance(tree) => tree,
@@ -106,12 +106,12 @@ impl Surface {
         }
     }
 
-    /// The mesh and its tree.
+    /// The mesh and its BVH.
     pub fn indexed(&self) -> IndexedMesh<'_> {
         IndexedMesh::new(self.mesh(), self.tree())
     }
 
-    /// What MSDM2 is computed of; `None` where the surface was prepared without it.
+    /// The surface prepared for MSDM2; `None` where it was prepared without it.
     pub fn perceptual(&self) -> Option<&Msdm2Surface> {
         match &self.prepared {
             Prepared::Distance(_) => None,
@@ -119,14 +119,14 @@ impl Surface {
         }
     }
 
-    /// Distances from the own vertices to `other`, `#V` in world units.
+    /// Distances from the vertices of this surface to `other`, `#V` in world units.
     pub fn vertex_distances(&self, other: &Self) -> Vec<f64> {
         let closest = other.tree().closest_all(&self.positions);
         closest.into_iter().map(|closest| closest.distance_squared.sqrt()).collect()
     }
 
-    /// MSDM2 of the own vertices against `reference`, `#V` values from 0 to 1; `None` where one of
-    /// both surfaces was prepared without MSDM2.
+    /// MSDM2 of the vertices of this surface against `reference`, `#V` values from 0 to 1. `None`
+    /// where one of the two surfaces was prepared without MSDM2.
     pub fn vertex_msdm2(&self, reference: &Self) -> Option<Vec<f64>> {
         let (reference, own) = (reference.perceptual()?, self.perceptual()?);
         Some(msdm2(reference, own, Interpolation::AtVertex).forward.local)

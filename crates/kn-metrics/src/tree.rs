@@ -16,14 +16,14 @@ const CHUNK: usize = 512;
 /// Beyond this the fourth power of a distance overflows.
 const LARGEST: f64 = 1e60;
 
-/// Why no tree can be built over a mesh.
+/// The reason why no BVH can be built over a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TreeError {
     /// There are no faces.
     #[error("the mesh has no faces")]
     NoFaces,
-    /// More faces than the tree can number.
+    /// There are more faces than the BVH can number.
     #[error("the mesh has more than {} faces", i32::MAX)]
     TooManyFaces,
     /// A face names a vertex that does not exist.
@@ -57,7 +57,8 @@ pub struct Closest {
     pub distance_squared: f64,
 }
 
-/// A bounding-volume hierarchy over the faces of a mesh that answers closest-point queries exactly.
+/// A bounding-volume hierarchy (BVH) over the faces of a mesh. It answers closest-point queries
+/// exactly.
 ///
 /// Faces without area count as the segment or the point that they are. Memory: about 250 bytes a
 /// face.
@@ -73,11 +74,11 @@ pub struct TriangleTree {
 }
 
 impl TriangleTree {
-    /// Builds the tree over `faces` (`#F × 3`, indices into `positions`, `#V × 3`).
+    /// Builds the BVH over `faces` (`#F × 3`, indices into `positions`, `#V × 3`).
     ///
     /// # Errors
-    /// No face, an index out of range, a coordinate that is no number within ±1e60 (also of a
-    /// vertex without faces).
+    /// There is no face, an index is out of range, or a coordinate is no number within ±1e60 (also
+    /// of a vertex without faces).
     pub fn new(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, TreeError> {
         check(positions, faces)?;
         let corners = |face: usize| faces[face].map(|vertex| positions[vertex as usize]);
@@ -97,13 +98,13 @@ impl TriangleTree {
         Ok(Self { nodes, leaves, triangles, centre, to_unit })
     }
 
-    /// `#F`.
+    /// Number of faces.
     pub fn face_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// The closest point for each of `points`, on all threads of rayon's current pool. Fastest if
-    /// neighbours in the list are neighbours in space.
+    /// Finds the closest point for each of `points`, on all threads of rayon's current pool. It is
+    /// fastest where neighbours in the list are neighbours in space.
     pub fn closest_all(&self, points: &[[f64; 3]]) -> Vec<Closest> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
             let mut hint = u32::MAX;
@@ -122,7 +123,7 @@ impl TriangleTree {
     }
 }
 
-/// That all indices and coordinates can be used.
+/// Checks that all indices and coordinates can be used.
 pub(crate) fn check(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<(), TreeError> {
     if faces.is_empty() {
         return Err(TreeError::NoFaces);

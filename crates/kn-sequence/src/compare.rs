@@ -1,4 +1,4 @@
-//! Two sequences, compared frame by frame.
+//! Comparison of two sequences, frame by frame.
 
 use std::ops::RangeInclusive;
 
@@ -11,17 +11,17 @@ use kn_metrics::{
 use crate::error::SequenceError;
 use crate::sequence::{Frame, Sequence};
 
-/// What is measured, and on which frames.
+/// Options of a comparison of sequences: the metrics and the frames.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CompareSequences {
-    /// The metrics. Without `bounds` they refer to the box of the whole reference, which is read once
-    /// more for it.
+    /// The metrics. Without `bounds` they refer to the box of the whole reference, which is read
+    /// once more for it.
     pub metrics: CompareOptions,
     /// Numbers of the frames, both ends included.
     pub frames: RangeInclusive<u64>,
-    /// Label of one body part: the points of its faces are measured against the whole other side, by
-    /// point-to-surface distances alone. `None` measures whole frames.
+    /// Label of one body part. The points of its faces are measured against the whole other frame,
+    /// by point-to-surface distances alone. `None` measures whole frames.
     pub part: Option<u8>,
 }
 
@@ -32,7 +32,7 @@ impl Default for CompareSequences {
     }
 }
 
-/// What was measured on one frame.
+/// The result of one frame.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FrameComparison {
@@ -46,7 +46,7 @@ pub struct FrameComparison {
     pub comparison: Comparison,
 }
 
-/// What was measured on two sequences.
+/// The result of a comparison of two sequences.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SequenceComparison {
@@ -54,7 +54,7 @@ pub struct SequenceComparison {
     pub bounds: BoundingBox,
     /// The frames that were measured, at least one.
     pub frames: Vec<FrameComparison>,
-    /// Means over all of them.
+    /// Means over all measured frames.
     pub mean: Comparison,
     /// Means over the P-frames, where the distorted sequence is a stream that has some.
     pub mean_predicted: Option<Comparison>,
@@ -70,7 +70,7 @@ pub struct MeasuredPair<'p> {
     pub distorted: &'p Frame,
     /// The reference as it was prepared for the metrics.
     pub reference_surface: &'p Surface,
-    /// Likewise the distorted frame.
+    /// The distorted frame as it was prepared for the metrics.
     pub distorted_surface: &'p Surface,
     /// The metrics.
     pub comparison: &'p Comparison,
@@ -79,8 +79,8 @@ pub struct MeasuredPair<'p> {
 /// Measures `distorted` against `reference`. One pair of frames is held at a time.
 ///
 /// # Errors
-/// A frame that cannot be read or measured, sequences of different length (as far as `options` ask
-/// for their frames), or none of the frames that were asked for.
+/// A frame cannot be read or measured, the sequences differ in length (as far as `options` ask for
+/// their frames), or none of the frames that were asked for exists.
 pub fn compare_sequences(
     reference: &Sequence,
     distorted: &Sequence,
@@ -89,10 +89,11 @@ pub fn compare_sequences(
     compare_sequences_with(reference, distorted, options, |_| ())
 }
 
-/// The same, and shows every measured pair to `observe`, for instance for pictures.
+/// Measures like [`compare_sequences`], and calls `observe` with every measured pair, for instance
+/// for pictures.
 ///
 /// # Errors
-/// As for [`compare_sequences`].
+/// The errors of [`compare_sequences`].
 pub fn compare_sequences_with(
     reference: &Sequence,
     distorted: &Sequence,

@@ -1,4 +1,4 @@
-//! Errors, each with its file and its frame.
+//! Errors of sequences, each with its file and its frame.
 
 use std::io;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use kn_io::MeshError;
 use kn_mesh::MeshFault;
 use kn_metrics::CompareError;
 
-/// Why a sequence cannot be read or compared.
+/// The reason why a sequence cannot be read or compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {
@@ -22,7 +22,7 @@ pub enum SequenceError {
         file: PathBuf,
         /// Number of the frame.
         frame: usize,
-        /// What is wrong.
+        /// The fault of the scan.
         fault: ScanFault,
     },
     /// A stream cannot be opened.
@@ -100,14 +100,14 @@ pub enum SequenceError {
     },
 }
 
-/// Why a scan cannot be used.
+/// The reason why a scan cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScanFault {
     /// The mesh is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshFault),
-    /// Nothing is left of the faces.
+    /// No face is left after cleaning.
     #[error("all faces are degenerate: none has three corners at different places")]
     Degenerate,
 }

@@ -1,15 +1,15 @@
-//! Scans as they are coded: cleaned.
+//! Cleaning of scans.
 
 use kn_io::InputFrame;
 use kn_mesh::{Cleaned, clean};
 
 use crate::error::{ScanFault, SequenceError};
 
-/// Welds a scan and drops degenerate and duplicate faces; every vertex of the file keeps a place in the
-/// vertex map.
+/// Cleans a scan: welds vertices, and drops degenerate and duplicate faces. The vertex map has an
+/// entry for every vertex of the file.
 ///
 /// # Errors
-/// A mesh that is not valid, or of which no face is left.
+/// The mesh is not valid, or no face is left.
 pub fn clean_scan(frame: &InputFrame) -> Result<Cleaned, SequenceError> {
     let fault = |fault| SequenceError::Scan { file: frame.path.clone(), frame: frame.index, fault };
     let cleaned = clean(&frame.mesh).map_err(|error| fault(error.into()))?;
@@ -19,10 +19,10 @@ pub fn clean_scan(frame: &InputFrame) -> Result<Cleaned, SequenceError> {
     Ok(cleaned)
 }
 
-/// The same without the vertices that no face uses.
+/// Cleans a scan like [`clean_scan`], and drops the vertices that no face uses.
 ///
 /// # Errors
-/// As for [`clean_scan`].
+/// The errors of [`clean_scan`].
 pub fn clean_surface(frame: &InputFrame) -> Result<Cleaned, SequenceError> {
     Ok(clean_scan(frame)?.drop_isolated())
 }

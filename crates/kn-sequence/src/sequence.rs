@@ -10,27 +10,26 @@ use crate::error::SequenceError;
 use crate::scan::clean_surface;
 use crate::stream::{StreamReader, StreamSource};
 
-/// How mesh files are read. A stream is decoded as it is, with its own labels.
+/// Options of how mesh files are read. A stream is decoded as it is, with its own labels.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SequenceOptions {
-    /// Whether meshes are welded and freed of degenerate and duplicate faces and of vertices that no
-    /// face uses, as they are before they are encoded.
+    /// Whether meshes are cleaned as before encoding: welded, without degenerate and duplicate
+    /// faces, and without vertices that no face uses.
     pub clean: bool,
-    /// How files are read. The labels are left out by default.
+    /// Options of the readers. Labels are not read by default.
     pub read: ReadOptions,
     /// A pattern of label files, one for each mesh.
     pub labels: Option<PathBuf>,
 }
 
 impl SequenceOptions {
-    /// Meshes as they are encoded.
+    /// Options that clean meshes as before encoding.
     pub fn cleaned() -> Self {
         Self { clean: true, ..Self::default() }
     }
 
-    /// With labels: those of the files that `pattern` names, else those that the meshes have as a
-    /// property.
+    /// Reads labels too: from the files that `pattern` names, or else from the meshes' property.
     pub fn with_labels(mut self, pattern: Option<PathBuf>) -> Self {
         self.read.labels = LabelSource::Property;
         self.labels = pattern;
@@ -39,14 +38,14 @@ impl SequenceOptions {
 }
 
 impl Default for SequenceOptions {
-    /// Meshes as they are in their files, without labels.
+    /// Options that read meshes as they are in their files, without labels.
     fn default() -> Self {
         let read = ReadOptions { labels: LabelSource::None, ..ReadOptions::default() };
         Self { clean: false, read, labels: None }
     }
 }
 
-/// A sequence that can be read as often as needed.
+/// A sequence of meshes. It can be read as often as needed.
 #[derive(Debug)]
 pub struct Sequence {
     name: String,
@@ -69,9 +68,9 @@ pub struct Frame {
     pub file: String,
     /// The mesh.
     pub mesh: Mesh,
-    /// The kind, where it came from a stream.
+    /// The kind of the frame, where it came from a stream.
     pub kind: Option<FrameKind>,
-    /// Its bytes in the stream.
+    /// Number of bytes of the frame in the stream, where it came from one.
     pub bytes: Option<u64>,
 }
 
@@ -79,7 +78,7 @@ impl Sequence {
     /// Opens a `.knm` file, a mesh file, a folder, or a pattern of mesh files.
     ///
     /// # Errors
-    /// There is no such file, or its format is not known. Frames are read later.
+    /// The file does not exist, or its format is not known. Frames are read later.
     pub fn open(path: &Path, options: &SequenceOptions) -> Result<Self, SequenceError> {
         if is_stream(path) {
             return Ok(StreamSource::File(path.to_owned()).into());
@@ -93,7 +92,7 @@ impl Sequence {
         Ok(Self { name, source: Source::Meshes { inputs, clean } })
     }
 
-    /// What messages call it: the path that it was opened by.
+    /// Name of the sequence in messages: the path that it was opened by.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -107,10 +106,10 @@ impl Sequence {
         }
     }
 
-    /// The frames from the first one on.
+    /// Reads the frames, from the first one on.
     ///
     /// # Errors
-    /// A stream cannot be opened.
+    /// The stream cannot be opened.
     pub fn frames(&self) -> Result<Frames, SequenceError> {
         Ok(Frames(match &self.source {
             Source::Meshes { inputs, clean } => Reader::Meshes(inputs.frames(), *clean),
@@ -118,10 +117,10 @@ impl Sequence {
         }))
     }
 
-    /// The box of all frames, which relative distances refer to. Every frame is read once.
+    /// The box of all frames, which relative distances refer to. Reads every frame once.
     ///
     /// # Errors
-    /// A frame that cannot be read, no frame, or a box without extent.
+    /// A frame cannot be read, there is no frame, or the box has no extent.
     pub fn bounds(&self) -> Result<BoundingBox, SequenceError> {
         let mut bounds: Option<BoundingBox> = None;
         for frame in self.frames()? {

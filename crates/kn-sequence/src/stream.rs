@@ -9,14 +9,14 @@ use kn_codec::Decoder;
 
 use crate::error::SequenceError;
 
-/// Where a stream is. It can be read as often as needed.
+/// The source of a stream: a file or memory. It can be read as often as needed.
 #[derive(Clone, Debug)]
 pub enum StreamSource {
-    /// In a file.
+    /// A file.
     File(PathBuf),
-    /// In memory.
+    /// Bytes in memory.
     Memory {
-        /// What messages call it.
+        /// Name of the stream in messages.
         name: String,
         /// The whole stream.
         bytes: Arc<[u8]>,
@@ -24,7 +24,7 @@ pub enum StreamSource {
 }
 
 impl StreamSource {
-    /// What messages call it.
+    /// Name of the stream in messages.
     pub fn name(&self) -> String {
         match self {
             Self::File(path) => path.display().to_string(),
@@ -32,7 +32,7 @@ impl StreamSource {
         }
     }
 
-    /// Opens it at its first byte.
+    /// Opens the stream at its first byte.
     ///
     /// # Errors
     /// The file cannot be opened.
@@ -46,11 +46,11 @@ impl StreamSource {
         })
     }
 
-    /// A decoder that compares the frames with the digests that they carry: what is taken for the
-    /// encoder's frames shall be that.
+    /// Makes a decoder that compares every frame with the digest that it carries, so that damaged
+    /// frames are not measured as if they were the encoder's.
     ///
     /// # Errors
-    /// The file cannot be opened, or does not begin as a stream.
+    /// The file cannot be opened, or its first bytes are not those of a stream.
     pub fn decoder(&self) -> Result<Decoder<StreamReader>, SequenceError> {
         let decode = |source| SequenceError::Decode { name: self.name(), source };
         let mut decoder = Decoder::new(self.reader()?).map_err(decode)?;
@@ -59,12 +59,12 @@ impl StreamSource {
     }
 }
 
-/// Reads a stream.
+/// A reader of a stream.
 #[derive(Debug)]
 pub enum StreamReader {
-    /// From a file.
+    /// Reads a file.
     File(BufReader<File>),
-    /// From memory.
+    /// Reads memory.
     Memory(Cursor<Arc<[u8]>>),
 }
 
@@ -72,7 +72,7 @@ impl StreamReader {
     /// Number of bytes of the whole stream.
     ///
     /// # Errors
-    /// The file system does not tell.
+    /// The size of the file cannot be found.
     pub fn size(&self) -> io::Result<u64> {
         match self {
             Self::File(file) => Ok(file.get_ref().metadata()?.len()),

@@ -4,7 +4,7 @@ use crate::params::NameError;
 use std::fmt;
 use std::str::FromStr;
 
-/// Which components of A = R·S·H affine nodes carry in a P-frame, beside their translation.
+/// The components of A = R·S·H that affine nodes carry in a P-frame, beside their translation.
 ///
 /// The bi-modal paper's eight combinations are T, RT, TS, TH, RTS, RTH, TSH and RTSH. A component
 /// that is not carried is the identity. Rigid nodes carry rotation and translation whatever the
@@ -33,7 +33,7 @@ impl Combination {
     ];
     /// Rotation and translation: what rigid nodes carry.
     pub const RT: Self = Self::new(true, false, false);
-    /// Everything.
+    /// All components.
     pub const RTSH: Self = Self::new(true, true, true);
 
     /// A combination from its components.

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The pattern of the names of a sequence's files, without folder and extension: the file of frame f
-/// is called `prefix`, then `first` + f in at least `digits` digits.
+/// The pattern of the names of a sequence's files, without folder and extension: the file of frame
+/// f is called `prefix`, then `first` + f in at least `digits` digits.
 ///
 /// Its text form is the name of the first frame: `scan_0017` stands for `scan_0017`, `scan_0018` …
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,8 +24,8 @@ impl FileNames {
         format!("{}{number:0width$}", self.prefix, width = usize::from(self.digits))
     }
 
-    /// The pattern that `names` follow (one per frame, without extension): a common prefix and
-    /// numbers that rise by one. `None` where they follow none.
+    /// Finds the pattern that `names` follow (one per frame, without extension): a common prefix
+    /// and numbers that rise by one. Returns `None` where there is no pattern.
     pub fn of_all(names: &[String]) -> Option<Self> {
         let first = names.first()?;
         // A name that ends in no number, or in one that is too large, has no pattern.
@@ -55,7 +55,7 @@ impl FromStr for FileNames {
     }
 }
 
-/// A name that does not end in a number below 2^32.
+/// The error for a name that does not end in a number below 2^32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileNamesError;
 
@@ -67,7 +67,7 @@ impl fmt::Display for FileNamesError {
 
 impl std::error::Error for FileNamesError {}
 
-/// The bytes as text that may be part of a file name on every system, `None` where they may not.
+/// The bytes as text, where it may be part of a file name on every system, else `None`.
 pub fn name_text(bytes: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(bytes).ok()?;
     let refused = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');

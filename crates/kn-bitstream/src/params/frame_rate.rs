@@ -61,7 +61,7 @@ impl FromStr for FrameRate {
     }
 }
 
-/// A text that is not a frame rate.
+/// The error for a text that is not a frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRateError;
 

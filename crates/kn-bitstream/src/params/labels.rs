@@ -2,7 +2,7 @@
 
 use crate::params::BodyPart;
 
-/// Which labels vertices have, and the region of influence of each.
+/// The labels that vertices may have, and the region of each label.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum LabelSet {
     /// One label, one region.
@@ -10,7 +10,7 @@ pub enum LabelSet {
     None,
     /// The labels and regions of [`BodyPart`].
     Body,
-    /// The region (below 64) of each of 1 to 64 labels.
+    /// Labels of the sequence's own, 1 to 64: the region of each, below 64.
     Custom(Vec<u8>),
 }
 

@@ -9,7 +9,7 @@ use strum::EnumMessage;
 /// The derives of [`strum`] give the names (`AsRefStr`) and the descriptions (`EnumMessage`), and
 /// with [`NameError::of`] as its error `EnumString` reads them.
 pub trait Named: Clone + AsRef<str> + EnumMessage {
-    /// What a value is, in the singular: `weight scheme`.
+    /// Name of the enumeration in messages, in the singular: `weight scheme`.
     const KIND: &'static str;
 
     /// All values that have a name of their own, in the order of their declaration.
@@ -30,7 +30,7 @@ pub trait Named: Clone + AsRef<str> + EnumMessage {
     }
 }
 
-/// A text that is not the name of any value of an enumeration.
+/// The error for a text that is not the name of a value of an enumeration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameError {
     kind: &'static str,
@@ -39,12 +39,12 @@ pub struct NameError {
 }
 
 impl NameError {
-    /// `text` is not the name of a `T`.
+    /// The error for a `text` that is not the name of a `T`.
     pub fn of<T: Named>(text: &str) -> Self {
         Self::new(T::KIND, text, T::all().iter().map(T::name))
     }
 
-    /// `text` is not one of `names`, which are those of every `kind`.
+    /// The error for a `text` that is not one of `names`, which are all names of a `kind`.
     pub fn new<'n>(
         kind: &'static str,
         text: &str,

@@ -4,8 +4,8 @@ use crate::params::WeightScheme;
 use std::fmt;
 use std::str::FromStr;
 
-/// A weight scheme together with σ, which [`WeightScheme::Gaussian`] needs and no other scheme has:
-/// what weights are bound with. The header carries the scheme, the key nodes carry σ.
+/// A weight scheme and its parameter σ, which only [`WeightScheme::Gaussian`] has. The header
+/// carries the scheme, the key nodes carry σ.
 ///
 /// Text forms are `inverse-square`, `sumner` and `gaussian:SIGMA`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,8 @@ impl Weights {
     /// Weights by [`WeightScheme::Sumner`].
     pub const SUMNER: Self = Self { scheme: WeightScheme::Sumner, sigma: None };
 
-    /// Weights by [`WeightScheme::Gaussian`]; `sigma` is in grid steps. A stream holds 1 to 2^20 − 1.
+    /// Weights by [`WeightScheme::Gaussian`]; `sigma` is in grid steps. A stream holds 1 to 2^20 −
+    /// 1.
     pub const fn gaussian(sigma: u32) -> Self {
         Self { scheme: WeightScheme::Gaussian, sigma: Some(sigma) }
     }
@@ -65,7 +66,7 @@ impl FromStr for Weights {
     }
 }
 
-/// A text that is not a form of [`Weights`].
+/// The error for a text that is not a form of [`Weights`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WeightsError;
 

@@ -5,20 +5,20 @@ use super::predict::Point;
 use super::surface::{Spoke, Surface};
 use kn_mesh::vec3::norm_squared;
 
-/// How many edges away a known vertex may be.
+/// Largest number of edges from a vertex to the known vertices that are searched.
 const RINGS: usize = 4;
-/// A search ends with so many vertices, and looks at so many neighbours of each: vertices with very
-/// many triangles shall not make it slow.
+/// Largest number of vertices that a search finds, and of neighbours that it visits at each vertex.
+/// It keeps the search fast at vertices with very many triangles.
 const MOST_FOUND: usize = 256;
 const MOST_SPOKES: usize = 32;
 /// A vertex at the centre weighs four times more than one at the mean distance, nearly.
 const NEARNESS: f64 = 0.25;
-/// How steep a border may be, against what is known of it.
+/// Weight of the slope of a border against the known samples.
 const RIDGE: f64 = 1.0 / 256.0;
 /// Contexts for a fitted value v: 3v, rounded, is −8 to 8.
 pub(super) const LEANS: usize = 17;
 
-/// The vertices around a vertex, with what it takes to find them fast.
+/// The vertices around a vertex, with the buffers of the search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Neighbourhood {
     /// `#M` the search that last met each vertex.
@@ -35,8 +35,8 @@ impl Neighbourhood {
         self.search = 0;
     }
 
-    /// Vertices up to [`RINGS`] edges from `vertex`, itself first, breadth first; no dummies, and at
-    /// most [`MOST_FOUND`].
+    /// Vertices up to [`RINGS`] edges from `vertex`, itself first, breadth first; no dummies, and
+    /// at most [`MOST_FOUND`].
     pub(super) fn gather(&mut self, surface: &Surface, vertex: u32) -> &[u32] {
         self.search += 1;
         self.found.clear();

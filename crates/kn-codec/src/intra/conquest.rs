@@ -6,7 +6,7 @@ use kn_bitstream::rule::{self, Rule};
 
 /// No half-edge, or no vertex.
 pub(super) const NONE: u32 = u32::MAX;
-/// Numbers of lacking triangles that are told apart where the next gate is chosen.
+/// Number of classes of lacking triangles in the choice of the next gate.
 const URGENCIES: usize = 16;
 
 /// The half-edge after `h` in its triangle.
@@ -21,11 +21,10 @@ pub(super) fn prev(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
-/// What the triangle behind the gate a → b has as its third corner, the tip.
+/// The third corner, the tip, of the triangle behind the gate a → b.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symbol {
-    /// A vertex not seen before, with the number of triangles it has in all; a dummy stands for a
-    /// hole.
+    /// A new vertex, with its number of triangles in all. A dummy stands for a hole.
     New { dummy: bool, valence: u32 },
     /// The end of the loop's next edge, which is closed with it.
     Right,

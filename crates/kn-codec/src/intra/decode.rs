@@ -1,4 +1,4 @@
-//! Payload to mesh.
+//! Decoding of a payload into a mesh.
 
 use super::IntraError;
 use super::conquest::{Conquest, HalfEdge, NONE, Symbol};
@@ -15,7 +15,7 @@ use kn_bitstream::rule::{self, Rule};
 use kn_bitstream::{IntraHeader, IntraPayload};
 use kn_mesh::GridMesh;
 
-/// What a payload may ask for at most.
+/// Limits of the mesh that a payload may announce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntraLimits {
     /// Vertices of the decoded mesh.
@@ -24,7 +24,7 @@ pub struct IntraLimits {
     pub max_faces: u32,
 }
 
-/// Buffers of the decoder, reused from mesh to mesh.
+/// Buffers of the decoder of I-frame meshes. They are reused from mesh to mesh.
 #[derive(Clone, Debug, Default)]
 pub struct IntraDecoder {
     conquest: Conquest,
@@ -38,14 +38,15 @@ pub struct IntraDecoder {
     labels: Vec<u8>,
 }
 
-/// Decodes one payload, which [`IntraPayload::read`] has read, into `mesh`, whose buffers are reused. Vertices come in the order in which
-/// the connectivity first met them, then those that no coded face uses; labels are empty where the
-/// payload has none.
+/// Decodes one payload, which [`IntraPayload::read`] has read, into `mesh`, whose buffers are
+/// reused. Vertices come in the order in which the connectivity first met them, then those that no
+/// coded face uses; labels are empty where the payload has none.
 ///
 /// Safe on untrusted input: returns an error or a mesh with indices in range, never panics, and
 /// allocates at most about 1.5 kB for each face and 60 bytes for each vertex that the header
-/// announces; it announces no more than `limits` allow, and no more than 2048 of both together for a
-/// byte of payload. (Triangles that touch no other take 600 bytes each, scans 150.) On an error the mesh is empty.
+/// announces; it announces no more than `limits` allow, and no more than 2048 of both together for
+/// a byte of payload. (Triangles that touch no other take 600 bytes each, scans 150.) On an error
+/// the mesh is empty.
 ///
 /// # Errors
 /// [`IntraError::Malformed`] with the rule that the payload breaks, [`IntraError::Limit`].
@@ -216,7 +217,7 @@ impl IntraLimits {
     }
 }
 
-/// One stream of decisions, and where it starts among the sections.
+/// A section of the payload: one stream of decisions, and its first byte among the sections.
 struct Section<'a> {
     bytes: &'a [u8],
     start: usize,

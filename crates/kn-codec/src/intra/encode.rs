@@ -1,4 +1,4 @@
-//! Mesh to payload.
+//! Encoding of a mesh into a payload.
 
 use super::IntraError;
 use super::conquest::{Conquest, NONE};
@@ -16,8 +16,8 @@ use kn_bitstream::range::RangeEncoder;
 use kn_bitstream::{IntraHeader, IntraPayload, Rule};
 use kn_mesh::{Grid, GridMesh};
 
-/// A coded mesh, and what had to be done to the mesh on the way. Nothing of it is left in the decoded
-/// mesh but the order of vertices and faces.
+/// A coded mesh, and what was cut in order to code it. Cuts are undone in the decoded mesh; only
+/// the order of vertices and faces differs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IntraEncoding {
     /// Counts and flags of the payload.
@@ -32,7 +32,8 @@ pub struct IntraEncoding {
     pub vertex_map: Vec<u32>,
     /// Boundary loops after cutting.
     pub holes: usize,
-    /// Edges with more than two faces, or whose faces disagree in orientation, cut and joined.
+    /// Number of edges that were cut: they have more than two faces, or faces of opposite
+    /// orientation.
     pub cut_edges: usize,
 }
 
@@ -53,8 +54,8 @@ impl IntraEncoding {
 /// of its corners).
 ///
 /// # Errors
-/// Where the mesh is none: a face index or label count that does not fit, a coordinate outside
-/// the grid, 2^28 vertices or faces.
+/// The mesh is not valid: a face index or the number of labels does not fit, a coordinate lies
+/// outside the grid, or there are 2^28 vertices or faces or more.
 pub fn encode_intra(mesh: &GridMesh) -> Result<IntraEncoding, IntraError> {
     check(mesh)?;
     let (faces, raw_faces): (Vec<_>, Vec<_>) = mesh.faces.iter().copied().partition(is_simple);

@@ -1,5 +1,5 @@
-//! Coding of positions: every vertex where the surface around it lets one expect it, and by how
-//! much it is off (`spec/05-intra.md`). One function is encoder and decoder.
+//! Coding of positions: every vertex is predicted from the surface around it, and the residual is
+//! coded (`spec/05-intra.md`). One function is encoder and decoder.
 
 use super::predict::{FRACTION, Point, Prediction, predict};
 use super::residual::ErrorModels;
@@ -29,8 +29,8 @@ impl Default for GeometryModels {
     }
 }
 
-/// Codes the `points` (`#M`) of all vertices of `surface` but dummies. An encoder brings their
-/// positions; a decoder brings anything and finds them there. Returns the last position.
+/// Codes the `points` (`#M`) of all vertices of `surface` except dummies. An encoder passes their
+/// positions in `points`; a decoder gets them there. Returns the last position.
 pub(super) fn code_positions<C: BinaryCoder>(
     coder: &mut C,
     models: &mut GeometryModels,
@@ -111,7 +111,7 @@ impl GeometryModels {
     }
 }
 
-/// Codes coordinate `own` by its distance from where it is expected.
+/// Codes coordinate `own` as the distance from its prediction.
 #[inline]
 fn code_coordinate<C: BinaryCoder>(
     coder: &mut C,

@@ -1,5 +1,5 @@
-//! Cut vertices tied together again, faces that no surface can hold, and the numbering of decoded
-//! vertices (`spec/05-intra.md`). One function each is encoder and decoder.
+//! Joins of cut vertices, faces that no surface can hold, and the numbers of decoded vertices
+//! (`spec/05-intra.md`). Each function is encoder and decoder.
 
 use super::conquest::{Conquest, NONE};
 use kn_bitstream::range::{BinaryCoder, GammaModels, RAW_LIMIT, code_gamma};

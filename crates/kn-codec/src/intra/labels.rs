@@ -25,7 +25,7 @@ impl Default for LabelModels {
     }
 }
 
-/// The two commonest labels among a vertex's neighbours, and how often they occur.
+/// The two most frequent labels among a vertex's neighbours, with their counts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vote {
     first: (u8, usize),
@@ -175,8 +175,8 @@ impl LabelTraversal {
     }
 }
 
-/// Codes `labels` (`#M`) of all vertices of `surface` but dummies, and returns the last. An encoder
-/// brings them; a decoder brings anything and finds them there. `points` (`#M`) are known.
+/// Codes `labels` (`#M`) of all vertices of `surface` except dummies, and returns the last. An
+/// encoder passes them in `labels`; a decoder gets them there. `points` (`#M`) are known.
 pub(super) fn code_labels<C: BinaryCoder>(
     coder: &mut C,
     models: &mut LabelModels,

@@ -1,12 +1,12 @@
-//! Coordinates that were on a coarser grid before they came to ours use only some of its values.
-//! The lattice lists these, axis by axis, and positions are coded as ranks in the lists
+//! Coordinates that lay on a coarser grid before use only some values of the sequence's grid. The
+//! lattice lists these values for each axis, and positions are coded as ranks in the lists
 //! (`spec/05-intra.md`).
 
 use kn_bitstream::range::{BinaryCoder, BitModel, GammaModels, RAW_LIMIT, code_gamma};
 use kn_bitstream::rule::{self, Rule};
 use kn_mesh::Grid;
 
-/// Gaps up to this are told apart.
+/// Largest gap that has models of its own.
 const GAPS: usize = 8;
 
 /// For each axis the values that occur, ascending.
@@ -15,7 +15,8 @@ pub(super) struct Lattice {
     pub(super) values: [Vec<i32>; 3],
 }
 
-/// Models of the gaps between values: by the two gaps before, is it longer than so much.
+/// Models of the gaps between values. Each decision says whether a gap is longer than a length; its
+/// context is the two gaps before.
 struct GapModels {
     longer: [[[BitModel; GAPS]; GAPS + 1]; GAPS + 1],
     escaped: GammaModels,
@@ -123,7 +124,7 @@ impl Lattice {
     }
 }
 
-/// The values on one axis, ascending; `None` where they are spread too thin for a lattice.
+/// The values on one axis, ascending; `None` where they are too many for a lattice.
 #[cfg(feature = "encode")]
 fn occurring(positions: &[[i32; 3]], axis: usize) -> Option<Vec<i32>> {
     let coordinates = || positions.iter().map(move |position| position[axis]);

@@ -1,15 +1,15 @@
-//! Static coding of the I-frame's mesh: any list of triangles on the integer grid, exactly
+//! Lossless coding of the mesh of an I-frame: any list of triangles on the integer grid
 //! (`spec/05-intra.md`).
 //!
-//! Connectivity goes first: surfaces are conquered triangle by triangle, and the valence of every
-//! vertex, once known, forces most of what follows. Positions come second, in an order that gives
-//! every vertex as many known triangles around it as can be, each one expected from these and its
-//! error coded with contexts for how far off it may be along and across the surface. Labels follow
-//! the same order.
+//! Connectivity is coded first: surfaces are conquered triangle by triangle, and the valence of a
+//! vertex, once known, decides most of the triangles around it. Positions are coded second, in an
+//! order that gives every vertex many known triangles around it. A position is predicted from
+//! these, and its residual is coded with contexts for the error along and across the surface.
+//! Labels are coded in the same order.
 //!
 //! Encoder and decoder are one code, generic over
-//! [`BinaryCoder`](kn_bitstream::range::BinaryCoder): the symbols that an encoder brings and a
-//! decoder finds cannot get out of step.
+//! [`BinaryCoder`](kn_bitstream::range::BinaryCoder), so that the symbols of an encoder and of a
+//! decoder cannot get out of step.
 
 use kn_bitstream::Rule;
 
@@ -37,10 +37,11 @@ pub use decode::{IntraDecoder, IntraLimits, decode_intra};
 #[cfg(feature = "encode")]
 pub use encode::{IntraEncoding, encode_intra};
 
-/// Most vertices or faces of a mesh: half-edges of closed surfaces are numbered in 32 bits.
+/// Largest number of vertices or faces of a mesh: half-edges of closed surfaces have 32-bit
+/// numbers.
 const MOST: u32 = (1 << 28) - 1;
 
-/// Why a mesh could not be coded or a payload not decoded.
+/// The reason why a mesh cannot be coded or a payload cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IntraError {
     /// The payload breaks a rule of the specification.
@@ -48,7 +49,7 @@ pub enum IntraError {
     Malformed {
         /// The rule.
         rule: Rule,
-        /// Byte near which it shows, counted from the first section.
+        /// Byte near which the rule is broken, counted from the first section.
         at: usize,
     },
     /// The payload announces more than the caller allows.

@@ -1,11 +1,11 @@
-//! Where a vertex is expected, from the known vertices around it (`spec/05-intra.md`).
+//! Prediction of a vertex from the known vertices around it (`spec/05-intra.md`).
 
 use super::surface::Surface;
 use super::traversal::Known;
 
 /// Fractional bits of predicted coordinates.
 pub(super) const FRACTION: u32 = 6;
-/// Triangles around a vertex beyond this many do not predict it.
+/// Largest number of triangles around a vertex that predict it.
 const MOST: usize = 32;
 
 /// `RECIPROCAL[n]` = ⌊65536 / n⌋.
@@ -30,7 +30,8 @@ const WEIGHTS: [[[i64; 3]; 5]; 4] = [
     [[-21, 21, 1], [-3, 34, 1], [15, 47, 1], [44, 67, 4], [70, 91, 8]],
 ];
 
-/// A prediction, in 1/64 of a grid step from `base`, and what its error is expected from.
+/// A prediction, in 1/64 of a grid step from `base`, with the values that its error is expected
+/// from.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Prediction {
     /// A known point near by.
@@ -55,7 +56,7 @@ pub(super) struct Point {
     pub(super) error: i32,
 }
 
-/// Sums over what is known around a vertex, all relative to `base`.
+/// Sums over the known vertices around a vertex, all relative to `base`.
 #[derive(Default)]
 struct Around {
     /// Over the gates of the predicting triangles: both ends; the tip behind; and the way from one

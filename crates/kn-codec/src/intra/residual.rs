@@ -1,11 +1,12 @@
-//! Binarisation and models of prediction errors (`spec/05-intra.md`).
+//! Binarisation and models of residuals (`spec/05-intra.md`).
 
 use kn_bitstream::range::{BinaryCoder, BitModel};
 
-/// Most magnitude bits of an error behind the leading one; 2^23 is more than twice the grid.
+/// Largest number of magnitude bits of a residual after the leading one. 2^23 is more than twice
+/// the grid.
 pub(super) const MOST_BITS: usize = 22;
 
-/// Models of one error, as a rule one set for every expected magnitude.
+/// Models of one residual. Most residuals have a set for each expected magnitude.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorModels {
     is_zero: BitModel,

@@ -1,5 +1,5 @@
-//! How far a vertex may lie from where it is expected: along the surface's normal less than within
-//! the surface, and alike for neighbours (`spec/05-intra.md`). Lengths are logarithms in eighths of
+//! The expected size of residuals: smaller along the surface's normal than within the surface, and
+//! similar for neighbours (`spec/05-intra.md`). Lengths are logarithms in eighths of
 //! an octave, of sixty-fourths of a grid step.
 
 use super::predict::Prediction;
@@ -8,9 +8,10 @@ use super::predict::Prediction;
 const NORMAL_BITS: u32 = 10;
 /// Fractional bits of a running mean.
 const MEAN_BITS: u32 = 8;
-/// A running mean moves by 1/64 of the way.
+/// A running mean moves by 1/64 of its distance to a new value.
 const MEAN_SHIFT: u32 = 6;
-/// What the means of tangential and normal errors differ by where both are equally uncertain.
+/// The difference between the means of tangential and normal errors where both are equally
+/// uncertain.
 const EVEN: i32 = 6;
 /// Octaves of variance by which the tangent plane and the normal may differ.
 const MOST_FLAT: i32 = 10;

@@ -1,13 +1,13 @@
-//! What geometry and labels walk over: the ring of neighbours around every vertex, laid out once
-//! the connectivity is known, with cut vertices tied together.
+//! The rings of neighbours around all vertices, which the coding of positions and labels walks
+//! over. They are built once the connectivity is known, with cut vertices joined.
 
 use super::conquest::{Conquest, next, prev};
 use kn_mesh::adjacency::Rows;
 
-/// Valences are told apart up to this.
+/// Largest valence that is stored; larger ones count as this one.
 const MOST_VALENCE: u32 = 64;
 
-/// A neighbour on a vertex's ring, and what lies behind the triangle between it and the next one.
+/// A neighbour on a vertex's ring, and the vertex behind the triangle between it and the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Spoke {
     pub(super) neighbour: u32,
@@ -15,7 +15,7 @@ pub(super) struct Spoke {
     pub(super) across: u32,
 }
 
-/// Connectivity as the vertex passes see it.
+/// The connectivity, as the coding of positions and labels uses it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
     /// `#M` rows: the ring of each vertex. Dummies have none.

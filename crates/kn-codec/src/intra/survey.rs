@@ -1,4 +1,4 @@
-//! The encoder's side of the conquest: reads the symbols off a mesh that is known.
+//! The encoder's side of the conquest: finds the symbols of a known mesh.
 
 use super::conquest::{Conquest, NONE, Symbol, next, prev};
 use super::topology::ClosedMesh;

@@ -1,5 +1,5 @@
-//! Models of the conquest's symbols: which decisions make up a symbol, and what each is expected
-//! from (`spec/05-intra.md`).
+//! Models of the conquest's symbols: the decisions of each symbol, and their contexts
+//! (`spec/05-intra.md`).
 
 use super::conquest::{Conquest, Symbol};
 use kn_bitstream::range::{BinaryCoder, BitModel, GammaModels, RAW_LIMIT, code_gamma};
@@ -137,7 +137,7 @@ impl SymbolModels {
     }
 }
 
-/// Models of a valence: is it 6, is it less, and how far from 6.
+/// Models of a valence: whether it is 6, whether it is less, and its distance from 6.
 #[derive(Clone, Copy, Debug)]
 struct ValenceModels {
     is_six: BitModel,

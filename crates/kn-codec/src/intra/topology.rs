@@ -1,5 +1,5 @@
-//! From any list of triangles to closed, oriented, manifold surfaces: what the connectivity coder
-//! walks over (`spec/05-intra.md`, informative: how an encoder cuts is its own choice).
+//! Turns any list of triangles into closed, oriented, manifold surfaces, which the coder of
+//! connectivity walks over (`spec/05-intra.md`, informative: an encoder may cut in its own way).
 //!
 //! Two half-edges are glued where exactly these two run along an edge, in opposite directions;
 //! everything else is a cut. Then every fan of triangles around a vertex becomes a vertex of its
@@ -8,8 +8,9 @@
 use super::conquest::{NONE, next, prev};
 use kn_mesh::adjacency::Rows;
 
-/// Closed surfaces, as half-edges with mates: cutting and closing them changes mates one by one, which
-/// the rows of [`kn_mesh::adjacency`] cannot do. Half-edge `3f + k` runs from corner `k` of triangle `f` to the next corner.
+/// Closed surfaces, as half-edges with mates: cutting and closing them changes mates one by one,
+/// which the rows of [`kn_mesh::adjacency`] cannot do. Half-edge `3f + k` runs from corner `k` of
+/// triangle `f` to the next corner.
 #[derive(Debug, Default)]
 pub(super) struct ClosedMesh {
     /// `3#T` vertex that each half-edge starts from.
@@ -147,7 +148,7 @@ impl ClosedMesh {
     }
 }
 
-/// What was seen of one edge while half-edges are grouped by their lower vertex.
+/// The half-edges of one edge that were met while half-edges are sorted by their lower vertex.
 #[derive(Clone, Copy, Debug, Default)]
 struct Met {
     /// Lower vertex + 1.

@@ -1,9 +1,9 @@
-//! The order in which vertices are coded: those that most triangles predict come first
+//! The order in which vertices are coded. The vertex that most triangles predict comes first
 //! (`spec/05-intra.md`).
 
 use super::surface::Surface;
 
-/// Numbers of predicting triangles that are told apart.
+/// Number of classes of vertices by their predicting triangles.
 const RANKS: usize = 4;
 /// The highest support; in place of support: the position is known; there is none.
 const SUPPORTED: u8 = RANKS as u8 - 1;

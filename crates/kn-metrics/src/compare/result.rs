@@ -7,19 +7,20 @@ use kn_mesh::BoundingBox;
 
 use crate::p2s::P2s;
 
-/// A number that says how far two meshes are apart.
+/// A metric: a number that says how much two meshes differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Metric {
     /// Point-to-surface RMS of the worse direction, relative to the diagonal of the box.
     P2sRms,
-    /// The same in world units.
+    /// Point-to-surface RMS of the worse direction, in world units.
     P2sRmsWorld,
-    /// 10·log10(3·side²/rms²) with the longest side of the box; infinite where the surfaces are equal.
+    /// Point-to-surface PSNR, 10·log10(3·side²/rms²) with the longest side of the box; infinite
+    /// where the surfaces are equal.
     P2sPsnr,
     /// The largest distance found, relative to the diagonal of the box.
     Hausdorff,
-    /// The same in world units.
+    /// The largest distance found, in world units.
     HausdorffWorld,
     /// MSDM2, the mean of both directions: 0 for equal meshes, below 1.
     Msdm2,
@@ -52,7 +53,7 @@ impl Metric {
         Self::D2Psnr,
     ];
 
-    /// The name in JSON and CSV.
+    /// Name of the metric in JSON and CSV.
     pub fn name(self) -> &'static str {
         match self {
             Self::P2sRms => "p2s_rms",
@@ -76,7 +77,7 @@ impl fmt::Display for Metric {
     }
 }
 
-/// A name that is no metric's.
+/// The error for a name that is not the name of a metric.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no metric '{name}'")]
 pub struct UnknownMetric {
@@ -109,8 +110,8 @@ impl Comparison {
         Metric::ALL.into_iter().filter_map(|metric| Some((metric, self.get(metric)?)))
     }
 
-    /// The mean of each metric that all have, for instance over the frames of a sequence; `None` of
-    /// nothing.
+    /// Means over several comparisons, for instance over the frames of a sequence. The result has
+    /// the metrics that all of them have. Returns `None` without comparisons.
     pub fn mean<'c>(all: impl IntoIterator<Item = &'c Self>) -> Option<Self> {
         let all: Vec<&Self> = all.into_iter().collect();
         let mean = |metric| {
@@ -135,8 +136,8 @@ impl Comparison {
 }
 
 impl FromIterator<(Metric, f64)> for Comparison {
-    /// A comparison with these values, for instance read from a file; of a metric that is there twice
-    /// the last value counts.
+    /// A comparison with these values, for instance read from a file; of a metric that is there
+    /// twice the last value counts.
     fn from_iter<I: IntoIterator<Item = (Metric, f64)>>(values: I) -> Self {
         let mut comparison = Self::default();
         values.into_iter().for_each(|(metric, value)| comparison.set(metric, value));

@@ -14,11 +14,11 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// `lines` lines (1024 in MPEG's common test conditions) from end to end of the longest side
-    /// of the box from `min` to `max`.
+    /// Makes a grid of `lines` lines (1024 in MPEG's common test conditions) from end to end of the
+    /// longest side of the box from `min` to `max`.
     ///
     /// # Errors
-    /// A box without extent or with coordinates that are not finite; fewer than two lines.
+    /// The box has no extent or a coordinate that is not finite, or there are fewer than two lines.
     pub fn new(min: [f64; 3], max: [f64; 3], lines: usize) -> Result<Self, PointError> {
         let side = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
         let step = side / lines.saturating_sub(1) as f64;

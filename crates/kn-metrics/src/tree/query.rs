@@ -52,7 +52,8 @@ impl Waiting {
 }
 
 impl TriangleTree {
-    /// The closest point on the surface; of equally close faces the one with the lowest index.
+    /// Finds the closest point on the surface. Of equally close faces the one with the lowest index
+    /// is taken.
     ///
     /// Exact up to rounding for any finite query. Safe on any input: coordinates that are not
     /// finite give a face of the tree and a distance that is not finite.
@@ -60,9 +61,9 @@ impl TriangleTree {
         self.closest_from(point, u32::MAX)
     }
 
-    /// The same as [`closest`](Self::closest), found faster if `hint` is a face near the query:
-    /// the answer for a neighbour or for the last iteration. The hint never changes the result;
-    /// one that is no face is ignored.
+    /// Finds the same point as [`closest`](Self::closest), faster if `hint` is a face near the
+    /// query, such as the answer for a neighbour or for the last iteration. The hint never changes
+    /// the result. A hint that is no face is ignored.
     pub fn closest_from(&self, point: [f64; 3], hint: u32) -> Closest {
         let query = self.normalise(point);
         let reach = query.iter().fold(1.0, |sum, x| sum + x.abs());
