@@ -1,14 +1,15 @@
-//! Deformation: every vertex is the weighted sum of what its nodes do with it.
+//! Deformation: the new position of a vertex is the weighted sum of its positions under the
+//! transforms of its key nodes.
 
 use crate::influence::Influence;
 use crate::parallel::*;
 use crate::transform::NodeTransform;
 
-/// A decoded position left the coordinate range (`deform.position.range`).
+/// The error for a decoded position outside the coordinate range (`deform.position.range`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("vertex {vertex} leaves the coordinate range")]
 pub struct DeformError {
-    /// First such vertex.
+    /// The first such vertex.
     pub vertex: usize,
 }
 
@@ -20,7 +21,7 @@ const CHUNK: usize = 4096;
 /// A 3-vector in four lanes; the last is zero.
 type Lanes = [f64; 4];
 
-/// Deforms references; holds the nodes' matrices between calls.
+/// Deforms references. It keeps the buffer of the nodes' matrices between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Deformer {
     /// Per node: the columns of A, then b = (n + t) − A n.
@@ -36,7 +37,7 @@ impl Deformer {
     /// error. Does not allocate after the first call.
     ///
     /// # Errors
-    /// The first vertex that leaves the range.
+    /// A vertex leaves the range; the error has the first one.
     ///
     /// # Panics
     /// Where the lengths of the arrays disagree or an influence names a node beyond `nodes`.

@@ -1,11 +1,11 @@
-//! Influence: which Q nodes move a vertex, and with which weights. Bound once per GoF
+//! Influence: the Q key nodes that move a vertex, and their weights. It is bound once for each GoF,
 //! on the decoded I-frame.
 
 use crate::parallel::*;
 use crate::weights::{Distances, normalised_weights};
 use kn_bitstream::params::{InfluenceMode, Weights};
 
-/// Nodes and weights of every vertex.
+/// The key nodes of every vertex, and their weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Influence {
     /// Q, the number of nodes per vertex.
@@ -23,24 +23,24 @@ impl Influence {
     }
 }
 
-/// How influence is bound.
+/// Options of the binding of influence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BindOptions {
-    /// Q, 1 to 8.
+    /// Q, the number of nodes per vertex, 1 to 8.
     pub nodes_per_vertex: usize,
-    /// Distance to weight.
+    /// Weights of nodes by their distance.
     pub weights: Weights,
-    /// Strict or fallback.
+    /// Treatment of regions without nodes.
     pub mode: InfluenceMode,
 }
 
-/// Why influence cannot be bound.
+/// The reason why influence cannot be bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindError {
-    /// No node at all.
+    /// There are no key nodes.
     #[error("there are no key nodes")]
     NoNodes,
-    /// Strict mode, and a region with vertices has no node (`deform.influence.strict`).
+    /// The mode is strict, and a region with vertices has no node (`deform.influence.strict`).
     #[error("region {region} has vertices (the first is {vertex}) but no key node")]
     RegionWithoutNodes {
         /// The region.
@@ -125,7 +125,7 @@ struct Candidates {
     all: NodeList,
 }
 
-/// Distances are computed for so many nodes at once.
+/// Number of nodes whose distances are computed at once.
 const LANES: usize = 8;
 
 /// Nodes by rising index, their coordinates in lanes. What fills the last lanes is infinitely far.

@@ -1,5 +1,5 @@
-//! Normative deformation: from node transforms and influence to vertex positions, bit-exact; and the
-//! smoothing of I-frames.
+//! Normative, bit-exact deformation of meshes by node transforms and influence, and smoothing of
+//! I-frames.
 //!
 //! Everything here follows `spec/08-deformation.md` operation by operation: IEEE 754 binary64, no
 //! fused multiply-add, sums in the written order. Two decoders that follow it agree in every bit,

@@ -1,5 +1,5 @@
-//! Smoothing of an I-frame: takes the staircase of its grid off the surface, within the grid's own
-//! uncertainty.
+//! Smoothing of an I-frame: removes the steps that rounding to the grid leaves on the surface. No
+//! vertex moves by more than half a grid step on an axis.
 
 use crate::parallel::*;
 use kn_mesh::adjacency::{Rows, vertex_links};
@@ -9,7 +9,7 @@ const PASSES: usize = 3;
 /// Vertices per unit of parallel work.
 const CHUNK: usize = 4096;
 
-/// How strongly an I-frame is smoothed: by its code in the stream.
+/// Parameters of a strength of smoothing, which the stream names by its code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Strength {
     /// μ, the weight of bending against the distance from the decoded position.
@@ -27,11 +27,12 @@ const STRENGTHS: [Strength; Smoother::STRENGTHS as usize] = [
     Strength { bending: 2.0, relaxation: 0.28125 },
 ];
 
-/// Smooths meshes; keeps its buffers between calls.
+/// Smooths meshes. It keeps its buffers between calls.
 ///
-/// Positions were rounded to a grid, which makes a fine mesh bumpier than the surface it shows. A few
-/// passes of a bilaplacian with a data term bring them back to a smooth surface, none farther than
-/// half a grid step on each axis from where it was decoded, which is as much as the grid left open.
+/// Positions were rounded to a grid, which makes a fine mesh bumpier than the surface it shows. A
+/// few passes of a bilaplacian with a data term bring them back to a smooth surface, none farther
+/// than half a grid step on each axis from where it was decoded, which is as much as the grid left
+/// open.
 #[derive(Clone, Debug, Default)]
 pub struct Smoother {
     /// `#V` rows: the neighbours of each vertex, rising; none for a vertex that does not move.
@@ -58,8 +59,8 @@ impl Smoother {
     /// The faces are looked at once, in the first call after [`Self::begin_mesh`].
     ///
     /// # Panics
-    /// Where a face names a vertex beyond `positions`, there are other vertices than in the first call,
-    /// or `strength` is above [`Self::STRENGTHS`].
+    /// Where a face names a vertex beyond `positions`, there are other vertices than in the first
+    /// call, or `strength` is above [`Self::STRENGTHS`].
     pub fn smooth(
         &mut self,
         positions: &mut [[i32; 3]],

@@ -2,7 +2,7 @@
 
 use crate::elementary::sin_cos;
 
-/// What one key node does in one frame: x ↦ A (x − n) + n + t with A = R·S·H.
+/// The transform of one key node in one frame: x ↦ A (x − n) + n + t with A = R·S·H.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeTransform {
     /// Euler angles θx, θy, θz in radians; R = Rz Ry Rx (paper, section on affine decomposition).
@@ -16,7 +16,7 @@ pub struct NodeTransform {
 }
 
 impl NodeTransform {
-    /// No motion.
+    /// The transform without motion.
     pub const IDENTITY: Self =
         Self { rotation: [0.0; 3], scale: [1.0; 3], shear: [0.0; 3], translation: [0.0; 3] };
 

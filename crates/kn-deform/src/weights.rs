@@ -1,4 +1,4 @@
-//! From the squared distances of a vertex's nodes to their weights.
+//! Weights of a vertex's key nodes, from their squared distances.
 
 use crate::elementary::exp_neg;
 use kn_bitstream::params::{WeightScheme, Weights};

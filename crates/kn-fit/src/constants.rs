@@ -1,7 +1,7 @@
-//! The numbers of the solver, in one place. Each is free of units: lengths are relative to a diagonal,
-//! an edge or the spacing of the nodes. Where nothing else is said they were set by the measurements
-//! of `docs/notes/fit.md`. What a caller decides is in [`crate::FitOptions`] and in the options of the
-//! generator; what an encoder makes of a fit is its own business.
+//! The numbers of the solver, in one place. Each is free of units: lengths are relative to a
+//! diagonal, an edge or the spacing of the nodes. Where nothing else is said they were set by the
+//! measurements of `docs/notes/fit.md`. What a caller decides is in [`crate::FitOptions`] and in
+//! the options of the generator; the encoder decides by numbers of its own.
 
 /// How surfaces are sampled.
 pub(crate) mod sampling {
@@ -32,8 +32,8 @@ pub(crate) mod starts {
 pub(crate) mod matches {
     /// Opposite normals count as far apart as this many node spacings times two.
     pub(crate) const NORMAL_SCALE: f64 = 1.5;
-    /// What a difference in reach counts in the first matches: it brings a limb that swings to where it
-    /// goes. Poses change it a little, so it soon fades.
+    /// What a difference in reach counts in the first matches: it brings a limb that swings to
+    /// where it goes. Poses change it a little, so it soon fades.
     pub(crate) const REACH_WEIGHT: f64 = 0.5;
     /// The weight in a step is this share of that in the last.
     pub(crate) const REACH_FADES: f64 = 0.5;
@@ -60,7 +60,8 @@ pub(crate) mod steps {
     pub(crate) const COARSE_STEPS: usize = 6;
     /// Steps of a continued fit.
     pub(crate) const CONTINUING_STEPS: usize = 3;
-    /// α_reg does not fall below this while matches are coarse: they err by the distance of samples.
+    /// α_reg does not fall below this while matches are coarse: they err by the distance of
+    /// samples.
     pub(crate) const COARSE_LEAST: f64 = 0.3;
     /// Steps with every vertex.
     pub(crate) const FULL_STEPS: usize = 2;
@@ -76,8 +77,8 @@ pub(crate) mod minimisation {
     pub(crate) const LEAST_SCALE: f64 = 0.05;
     /// Bound on the evaluations of a minimisation, per iteration; one or two is usual.
     pub(crate) const EVALUATIONS_PER_ITERATION: usize = 8;
-    /// What is added to the diagonal of the preconditioner, relative to its entries: directions that
-    /// neither data nor smoothness see stay where they are.
+    /// What is added to the diagonal of the preconditioner, relative to its entries: directions
+    /// that neither data nor smoothness see stay where they are.
     pub(crate) const DAMPING: f64 = 1e-6;
     /// Iterations of L-BFGS in one correspondence step.
     pub(crate) const ITERATIONS: u64 = 8;
@@ -85,7 +86,8 @@ pub(crate) mod minimisation {
     pub(crate) const FIRST_FACTORS: usize = 2;
     /// ... later ones share them until α_reg has shrunk to this share.
     pub(crate) const REFACTOR: f64 = 0.2;
-    /// Smallest pivot relative to the entry that it started as: what rounding left below it is noise.
+    /// Smallest pivot relative to the entry that it started as: what rounding left below it is
+    /// noise.
     pub(crate) const PIVOT: f64 = 1e-12;
 }
 
@@ -97,15 +99,16 @@ pub(crate) mod measures {
 
 /// Where key nodes are put by farthest points (`place.rs`).
 pub(crate) mod placement {
-    /// A loose piece gets a node of its own when its area is at least this share of the area that one
-    /// node has on average. Smaller ones follow the nodes nearest to them.
+    /// A loose piece gets a node of its own when its area is at least this share of the area that
+    /// one node has on average. Smaller ones follow the nodes nearest to them.
     pub(crate) const OWN_NODE: f64 = 0.5;
-    /// Affine nodes stand this many times as close: parts that need them, such as a loose shirt, are
-    /// where most of the error is.
+    /// Affine nodes stand this many times as close: parts that need them, such as a loose shirt,
+    /// are where most of the error is.
     pub(crate) const AFFINE_DENSITY: f64 = 1.5;
 }
 
-/// How the key-node generator works (`generate.rs`); its rounds and shares are compared in the note.
+/// How the key-node generator works (`generate.rs`); its rounds and shares are compared in the
+/// note.
 pub(crate) mod generator {
     /// The dense set has this many nodes for each one that is wanted.
     pub(crate) const DENSITY: f64 = 1.15;
@@ -115,8 +118,8 @@ pub(crate) mod generator {
     pub(crate) const FEW: f64 = 0.05;
     /// Two nodes with more than this weight on one vertex are never removed together (the paper's).
     pub(crate) const CONTROL: f64 = 0.01;
-    /// A change of a vertex costs at least this many times the mean squared error, so that where nothing
-    /// moves in the key frame the nodes stay evenly spread.
+    /// A change of a vertex costs at least this many times the mean squared error, so that where
+    /// nothing moves in the key frame the nodes stay evenly spread.
     pub(crate) const PRIOR: f64 = 2.0;
     /// Rounds after the number is reached, in which the nodes that matter least move to where the
     /// error is highest.

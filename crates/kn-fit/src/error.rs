@@ -1,13 +1,13 @@
-//! What a caller gets when the input cannot be fitted at all.
+//! Errors of input that cannot be fitted at all.
 
-/// Input that no fit can start from. A frame that is merely hard never ends here: it comes back
-/// as a fit whose report says how bad it is.
+/// The reason why no fit can start. A frame that is hard to fit is no error: its report says how
+/// far the fit is from the scan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FitError {
     /// A mesh has no vertices or no faces with an area.
     #[error("the {mesh} mesh has no surface")]
     NoSurface {
-        /// Which of the two meshes.
+        /// The mesh, source or target.
         mesh: Side,
     },
     /// A coordinate is NaN or infinite.

@@ -35,8 +35,8 @@ struct Effort {
 /// With the last matches, for one combination after the other.
 const LAST: Effort = Effort { stiffness: 1.0, refactor: true, iterations: 30 };
 
-/// Fits the frames of one GoF, one after the other; holds what stays the same through
-/// the GoF, the buffers, and the previous frame's motion.
+/// Fits the frames of one GoF, one after the other. It holds the data that are the same in all
+/// frames of the GoF, the buffers, and the motion of the previous frame.
 #[derive(Debug)]
 pub struct Fitter {
     group: Group,
@@ -76,7 +76,7 @@ impl Fitter {
         })
     }
 
-    /// The transforms that carry `source` onto `target`. `source` is the GoF's mesh with the
+    /// Fits the transforms that carry `source` onto `target`. `source` is the GoF's mesh with the
     /// positions and nodes of the reference frame; faces, influence and affine nodes must be those
     /// that the fitter was made for. The next frame starts from this one's motion.
     ///
@@ -98,10 +98,10 @@ impl Fitter {
         Ok(Fit { transforms, report })
     }
 
-    /// One fit per combination, with one search for correspondences: the matches come from the
-    /// fit with `options.combination`, then each combination minimises the energy that they leave
-    /// with its own components (the paper: a disabled component is disabled while fitting). The
-    /// next frame starts from the motion of `options.combination`.
+    /// Fits a frame once for each combination, with one search for correspondences: the matches
+    /// come from the fit with `options.combination`, then each combination minimises the energy
+    /// that they leave with its own components (the paper: a disabled component is disabled while
+    /// fitting). The next frame starts from the motion of `options.combination`.
     ///
     /// # Errors
     /// Arrays that do not fit together, see [`FitError`].

@@ -1,4 +1,4 @@
-//! What scale and shear are worth to each node.
+//! The gain of scale and shear at each node.
 
 use crate::error::FitError;
 use crate::fitter::Fitter;
@@ -13,18 +13,19 @@ use kn_mesh::vec3::Vec3;
 /// Squared distances of a fit with rigid nodes, and by how much they fall with affine ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AffineGains {
-    /// Mean squared distance of the rigid fit, relative to the squared diagonal of the target's box.
+    /// Mean squared distance of the rigid fit, relative to the squared diagonal of the target's
+    /// box.
     pub rigid: f64,
     /// `#N`, each node's share of the fall, by its weight on the vertices; negative where the
     /// surface ends farther away.
     pub nodes: Vec<f64>,
 }
 
-/// Fits `source`, all of whose nodes are affine, once with all components and once with rotation and
-/// translation alone, with the same matches.
+/// Fits `source`, all of whose nodes are affine, once with all components and once with rotation
+/// and translation alone, with the same matches.
 ///
 /// # Errors
-/// As [`Fitter::new`].
+/// The errors of [`Fitter::new`].
 pub fn affine_gains(
     source: &FitSource,
     target: &FitTarget,

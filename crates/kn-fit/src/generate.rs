@@ -1,5 +1,5 @@
-//! The key-node generator: nodes where the motion needs them (bi-modal paper, section on the
-//! bi-modal key node generator).
+//! The key-node generator: it puts nodes where the motion needs them (bi-modal paper, section on
+//! the bi-modal key node generator).
 //!
 //! A dense set is fitted to the key frame once; then nodes are removed and inserted between
 //! continued fits, so that refinement happens inside the deformation loop.
@@ -31,25 +31,25 @@ pub struct NodeSource<'a> {
     pub bind: &'a dyn Fn(&[u32]) -> Result<Influence, FitError>,
 }
 
-/// How many nodes there are to be.
+/// The number of nodes that the generator chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NodeCount {
-    /// So many, as far as the mesh has vertices for them.
+    /// This number, as far as the mesh has vertices.
     Exactly(usize),
-    /// As many as pay, at least one for every region.
+    /// The number of nodes that pay for their bytes, at least one for every region.
     Paying {
         /// The number that the search begins with: those that do not pay go. At least one for every
         /// region, at most `most`.
         dense: usize,
         /// The largest number, regions or not.
         most: usize,
-        /// By which share the mean squared distance to the key frame must rise where a node goes and
-        /// its neighbours take over as they are.
+        /// The share by which the mean squared distance to the key frame must rise when a node is
+        /// removed and its neighbours do not change. A node below it does not pay.
         price: f64,
     },
 }
 
-/// What says where a node is missing.
+/// The measure that says where a node is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RankBy {
     /// The squared distance between the surfaces, both ways, averaged over the neighbourhood.
@@ -59,16 +59,16 @@ pub enum RankBy {
     Msdm2,
 }
 
-/// How nodes are chosen, and how frames are fitted.
+/// Options of the generator.
 #[derive(Clone, Copy)]
 pub struct GenerateOptions<'a> {
     /// The number of nodes.
     pub count: NodeCount,
-    /// Where they are inserted.
+    /// Measure of the places where nodes are inserted.
     pub rank_by: RankBy,
-    /// How the key frame is fitted.
+    /// Options of the fit to the key frame.
     pub fit: FitOptions,
-    /// Whether the motion of a fit explains the key frame.
+    /// Judges whether the motion of a fit explains the key frame.
     pub explains: &'a dyn Fn(&FitReport) -> bool,
 }
 
@@ -76,7 +76,7 @@ pub struct GenerateOptions<'a> {
 /// the GoF with much motion. `None` where even the dense set cannot track it.
 ///
 /// # Errors
-/// As [`place_farthest`] and [`Fitter::new`]; what `bind` returns.
+/// The errors of [`place_farthest`], of [`Fitter::new`] and of `bind`.
 ///
 /// [`place_farthest`]: crate::place_farthest
 /// [`Fitter::new`]: crate::Fitter::new
@@ -125,8 +125,8 @@ pub fn generate_nodes(
     Ok(Some(nodes))
 }
 
-/// How many nodes are worth their price: those that are not go from a dense set, until what is
-/// left pays. `None` where the key frame cannot be tracked.
+/// Finds the number of nodes that pay: nodes that do not pay are removed from a dense set, until
+/// all that are left pay. Returns `None` where the key frame cannot be tracked.
 fn paying(
     setting: &Setting,
     [dense, most]: [usize; 2],

@@ -1,4 +1,4 @@
-//! What stays the same through a GoF.
+//! The data of a fit that are the same in all frames of a GoF.
 
 use crate::cholesky::Elimination;
 use crate::constants::sampling::SAMPLES;

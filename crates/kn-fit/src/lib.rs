@@ -1,9 +1,9 @@
 //! Fits key-node transforms to scanned meshes.
 //!
-//! A fit looks for the transforms of the key nodes that carry a reference mesh onto a scan: points
-//! are matched to the closest points of the other surface, and with the matches held fixed the
-//! bi-modal paper's energy L_data + α_reg L_reg + α_orth L_orth is minimised by L-BFGS; then the
-//! points are matched again. Nothing here is normative: a decoder never fits.
+//! A fit finds the transforms of the key nodes that carry a reference mesh onto a scan. Points are
+//! matched to the closest points of the other surface. With the matches held fixed, L-BFGS
+//! minimises the bi-modal paper's energy L_data + α_reg L_reg + α_orth L_orth. Then the points are
+//! matched again. Nothing here is normative: a decoder never fits.
 
 mod affine;
 mod cholesky;

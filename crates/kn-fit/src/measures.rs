@@ -1,5 +1,5 @@
-//! What is measured of a fitted frame: what is missing on either side, and where the source tears.
-//! What that means for the frame is the caller's business.
+//! Measures of a fitted frame: surface that is missing on either side, and tears of the source. The
+//! caller decides what they mean for the frame.
 
 use crate::constants::measures::MANY;
 use crate::deformed::Deformed;
@@ -9,7 +9,7 @@ use crate::sample::Sample;
 use crate::target::FitTarget;
 use kn_mesh::vec3::{Vec3, add, distance, scale};
 
-/// From which values on something is measured as far or torn.
+/// Options of the measures: the distances and lengths from which a point is far or an edge is torn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasureOptions {
     /// A point is far when its distance from the other mesh exceeds this share of the diagonal of
@@ -24,7 +24,7 @@ pub struct MeasureOptions {
     pub gaping: f64,
 }
 
-/// What a fitted frame leaves unexplained.
+/// Measures of what the motion of a fitted frame does not explain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FitMeasures {
     /// The largest region of the source without target near it.

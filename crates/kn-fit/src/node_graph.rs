@@ -1,4 +1,4 @@
-//! Which nodes are neighbours in the smoothness term.
+//! The neighbours of the key nodes in the smoothness term.
 
 use crate::geodesic::{DistanceField, EdgeGraph};
 use kn_mesh::vec3::{Vec3, distance};

@@ -1,5 +1,5 @@
-//! What a caller can choose. Every number is free of units: the same values serve metres,
-//! millimetres and grid steps, five nodes and five hundred.
+//! Options of a fit. Every number is free of units: the same values serve metres, millimetres and
+//! grid steps, five nodes and five hundred.
 
 use crate::measures::MeasureOptions;
 use kn_bitstream::params::{Combination, NameError, Named};
@@ -40,7 +40,7 @@ impl Named for PartStart {
     }
 }
 
-/// How a frame is fitted.
+/// Options of the fit of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
     /// The components that affine nodes may use; rigid nodes always have rotation and translation.
@@ -55,7 +55,7 @@ pub struct FitOptions {
     pub max_steps: usize,
     /// Whether labelled parts are aligned first.
     pub part_start: PartStart,
-    /// Whether and how it is measured what the motion leaves unexplained.
+    /// Options of the measures of what the motion does not explain; `None` leaves them out.
     pub measures: Option<MeasureOptions>,
 }
 

@@ -1,4 +1,4 @@
-//! Which pairs of nodes meet in the energy.
+//! The pairs of key nodes that have a common term in the energy.
 
 /// The upper block triangle of a symmetric matrix with one block row per node.
 #[derive(Debug)]

@@ -1,4 +1,5 @@
-//! How far each point of a body reaches out: what tells a hand from a forearm in any pose.
+//! The reach of each point of a body: its distance from the middle along the body, which tells a
+//! hand from a forearm in any pose.
 
 use crate::constants::sampling::MIDDLE;
 use crate::geodesic::{DistanceField, EdgeGraph};

@@ -1,4 +1,4 @@
-//! Registration of one mesh to another: the fit without a codec around it.
+//! Registration of one mesh to another by the fit, without a codec.
 
 use crate::constants::sampling::GRID;
 use crate::error::{FitError, Side};
@@ -11,12 +11,12 @@ use crate::target::FitTarget;
 use kn_bitstream::params::{InfluenceMode, Weights};
 use kn_deform::{BindOptions, Influence, NodeTransform, bind};
 
-/// How a source is registered.
+/// Options of a registration.
 #[derive(Clone, Copy, Debug)]
 pub struct RegisterOptions {
     /// Number of key nodes.
     pub nodes: usize,
-    /// How the frame is fitted.
+    /// Options of the fit.
     pub fit: FitOptions,
 }
 
@@ -26,7 +26,7 @@ impl Default for RegisterOptions {
     }
 }
 
-/// A registered source.
+/// The result of a registration.
 #[derive(Clone, Debug)]
 pub struct Registration {
     /// `#V × 3` deformed source positions, in the source's order.
@@ -35,14 +35,14 @@ pub struct Registration {
     pub nodes: Vec<[f64; 3]>,
     /// `#N` transforms.
     pub transforms: Vec<NodeTransform>,
-    /// How the fit went.
+    /// Report of the fit.
     pub report: FitReport,
 }
 
 /// Deforms `source` onto `target` with rigid key nodes that are placed by farthest points.
 ///
 /// # Errors
-/// A mesh that has no surface or is not well formed, see [`FitError`].
+/// A mesh has no surface or is not valid, see [`FitError`].
 pub fn register(
     source_positions: &[[f64; 3]],
     source_faces: &[[u32; 3]],

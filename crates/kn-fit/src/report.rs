@@ -1,4 +1,4 @@
-//! What a fit says about itself.
+//! The result and the report of a fit.
 
 use crate::group::Group;
 use crate::matching::{Correspondences, Match};
@@ -12,40 +12,41 @@ use kn_deform::NodeTransform;
 pub struct Fit {
     /// `#N`, one transform per key node; components that are not enabled have their neutral value.
     pub transforms: Vec<NodeTransform>,
-    /// How well it went.
+    /// Report of the fit.
     pub report: FitReport,
 }
 
 /// Convergence and residuals of a fit. Distances are in units of the positions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FitReport {
-    /// Correspondence steps taken.
+    /// Number of correspondence steps.
     pub steps: usize,
-    /// Evaluations of the energy, all steps together.
+    /// Number of evaluations of the energy in all steps.
     pub evaluations: usize,
     /// Whether the last step moved the surface by less than the tolerance.
     pub converged: bool,
-    /// From the deformed source to the target's surface.
+    /// Distances from the deformed source to the target's surface.
     pub source_to_target: Residuals,
-    /// From the target to the deformed source's surface.
+    /// Distances from the target to the deformed source's surface.
     pub target_to_source: Residuals,
-    /// What the motion leaves unexplained, where [`crate::FitOptions::measures`] asks for it.
+    /// Measures of what the motion does not explain, where [`crate::FitOptions::measures`] asks for
+    /// them.
     pub measures: Option<FitMeasures>,
 }
 
 /// Distances of one direction, weighted by area where it says so.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residuals {
-    /// Root of the area-weighted mean square.
+    /// RMS distance, weighted by area.
     pub rms: f64,
-    /// Half of the points are nearer.
+    /// Median distance.
     pub median: f64,
-    /// 95 % of the points are nearer.
+    /// 95th percentile of the distances.
     pub p95: f64,
-    /// The farthest point.
+    /// Largest distance.
     pub max: f64,
-    /// Share of the area that found no partner: its normal or the border of the other mesh spoke
-    /// against the closest point.
+    /// Share of the area that has no partner, because of its normal or because the closest point
+    /// lies on a border of the other mesh.
     pub unmatched: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How a fit goes from stiff and coarse to relaxed and exact.
+//! The schedule of a fit: from stiff and coarse steps to relaxed and exact ones.
 
 use crate::constants::matches::{REACH_FADES, REACH_WEIGHT};
 use crate::constants::steps::{

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Files that are written whole or not at all.
 
 use super::{MeshError, MeshErrorKind};
 use std::fs;

@@ -1,4 +1,4 @@
-//! What went wrong with a file, where in it, and which frame it was.
+//! Errors of files, with the place in the file and the frame.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -8,18 +8,18 @@ use std::path::{Path, PathBuf};
 pub struct MeshError {
     /// The file, or the pattern that matched none.
     pub path: PathBuf,
-    /// Which frame of the sequence, counted from 0, where it was read as one.
+    /// The frame of the sequence, counted from 0, where the file was read as one.
     pub frame: Option<usize>,
-    /// Where in the file.
+    /// The place in the file.
     pub place: Place,
-    /// What is wrong there.
+    /// The kind of the error.
     pub kind: MeshErrorKind,
 }
 
 /// A place in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Nowhere in particular.
+    /// The file as a whole.
     File,
     /// A line of a text file, counted from 1.
     Line(usize),
@@ -33,13 +33,14 @@ pub enum Place {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshErrorKind {
-    /// The system refused: no such file, no permission, disk full.
+    /// The operating system reported an error: no such file, no permission, a full disk.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// No bytes, or no vertices.
+    /// The file has no bytes or no vertices.
     #[error("{0}")]
     Empty(&'static str),
-    /// Vertices without any face; see [`ReadOptions::allow_no_faces`](super::ReadOptions).
+    /// The file has vertices, but no faces; see
+    /// [`ReadOptions::allow_no_faces`](super::ReadOptions).
     #[error("the mesh has no faces")]
     NoFaces,
     /// The content breaks the rules of its format.
@@ -51,7 +52,7 @@ pub enum MeshErrorKind {
     /// A coordinate is NaN, infinite or beyond the range of binary32.
     #[error("a coordinate is NaN or infinite")]
     NotFinite,
-    /// A face with one or two corners.
+    /// A face has one or two corners.
     #[error("a face needs at least 3 corners, this one has {0}")]
     FaceCorners(usize),
     /// A face names a vertex that does not exist. `index` is as written in the file.
@@ -62,7 +63,7 @@ pub enum MeshErrorKind {
         /// The number of vertices.
         vertices: usize,
     },
-    /// Not one label per vertex.
+    /// There is not one label for each vertex.
     #[error("{labels} labels for {vertices} vertices")]
     LabelCount {
         /// The number of labels.
@@ -70,7 +71,7 @@ pub enum MeshErrorKind {
         /// The number of vertices.
         vertices: usize,
     },
-    /// A label that the caller does not know.
+    /// A label is above the largest one allowed.
     #[error("label {label} is out of range: labels are 0 to {max}")]
     LabelRange {
         /// The label as written in the file.
@@ -78,19 +79,19 @@ pub enum MeshErrorKind {
         /// The largest label allowed.
         max: u8,
     },
-    /// Labels were asked from colours, but this one belongs to no part.
+    /// Labels were asked for from colours, but a colour belongs to no body part.
     #[error("colour {0:?} is the colour of no body part")]
     UnknownColour([u8; 3]),
-    /// Labels were asked from colours, but there are none.
+    /// Labels were asked for from colours, but the file has no colours.
     #[error("labels were asked from vertex colours, but the file has none")]
     NoColours,
-    /// A format, or a feature of one, that is not read or written.
+    /// A format, or a feature of a format, is not supported.
     #[error("{0}")]
     Unsupported(String),
-    /// A pattern or folder without a mesh file.
+    /// A pattern or folder has no mesh file.
     #[error("no mesh file matches (.obj, .ply, .off, .glb, .gltf)")]
     NoMatch,
-    /// A pattern or folder without a label file.
+    /// A pattern or folder has no label file.
     #[error("no label file matches")]
     NoLabelFile,
     /// A numbered frame is absent between two that exist.
@@ -104,14 +105,14 @@ pub enum MeshErrorKind {
     /// The inputs do not say which frames are meant.
     #[error("{0}")]
     Ambiguous(String),
-    /// More than a limit allows.
+    /// The file is above a limit.
     #[error("{what}: {asked} is more than {allowed}")]
     TooLarge {
-        /// What there is too much of.
+        /// The quantity that is limited.
         what: &'static str,
-        /// How much there is.
+        /// The amount in the file.
         asked: u64,
-        /// How much may be.
+        /// The amount that is allowed.
         allowed: u64,
     },
 }
@@ -141,12 +142,12 @@ impl std::error::Error for MeshError {
 }
 
 impl MeshError {
-    /// An error about a file as a whole.
+    /// Makes an error about a file as a whole.
     pub fn new(path: impl Into<PathBuf>, kind: impl Into<MeshErrorKind>) -> Self {
         Self { path: path.into(), frame: None, place: Place::File, kind: kind.into() }
     }
 
-    /// The same error, known to be about this frame.
+    /// Sets the frame that the error is about.
     pub fn in_frame(mut self, frame: usize) -> Self {
         self.frame = Some(frame);
         self

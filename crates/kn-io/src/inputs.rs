@@ -1,4 +1,4 @@
-//! A sequence of frames to read, one after the other, as often as needed.
+//! A sequence of frames in files. It can be read as often as needed.
 
 use super::gltf::Scene;
 use super::read::read_file;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
 
-/// The frames of a sequence: where they are and how to read them.
+/// The frames of a sequence in files, and the options of the readers.
 #[derive(Clone)]
 pub struct Inputs {
     source: Source,
@@ -34,18 +34,19 @@ enum Source {
 pub struct InputFrame {
     /// Number of the frame in the sequence, from 0.
     pub index: usize,
-    /// File name without extension; with the frame number where one file holds many frames.
+    /// Name of the file without extension. It has the frame number where one file holds many
+    /// frames.
     pub name: String,
     /// The file it was read from.
     pub path: PathBuf,
-    /// The mesh as it is in the file.
+    /// The mesh as it is in the file, not cleaned.
     pub mesh: Mesh,
-    /// What the file held beside the mesh.
+    /// Content of the file that is not carried.
     pub notes: ReadNotes,
 }
 
 impl Inputs {
-    /// The frames that `specs` mean. One spec is a file, a folder, a glob or a printf pattern
+    /// Finds the frames that `specs` name. One spec is a file, a folder, a glob or a printf pattern
     /// (`f_%04d.obj`); its files come in natural order, and where their names carry one common
     /// number none may be missing. Several specs are files in the order given; only if this is
     /// the alphabetical order, as from a shell's glob, it becomes the natural one (`f_9`, `f_10`).
@@ -54,7 +55,7 @@ impl Inputs {
     /// [`ReadOptions::frame_rate`] between its first and its last key frame.
     ///
     /// # Errors
-    /// Nothing matches, a numbered frame is missing, formats are mixed, or an animated file cannot
+    /// No file matches, a numbered frame is missing, formats are mixed, or an animated file cannot
     /// be read.
     pub fn find(specs: &[PathBuf], options: ReadOptions) -> Result<Self, MeshError> {
         let files = match specs {
@@ -70,11 +71,11 @@ impl Inputs {
         Ok(Self { source, labels: Vec::new(), options })
     }
 
-    /// Takes the labels from files beside the meshes: a folder, a glob, a printf pattern or, for
+    /// Reads the labels from files beside the meshes: a folder, a glob, a printf pattern or, for
     /// a single frame, one file.
     ///
     /// # Errors
-    /// As for [`Inputs::find`], or there is not one label file per frame.
+    /// The errors of [`Inputs::find`], or there is not one label file for each frame.
     pub fn with_labels(mut self, spec: &Path) -> Result<Self, MeshError> {
         let labels = find_files(spec, Kind::Labels)?;
         if labels.len() != self.len() {
@@ -93,7 +94,7 @@ impl Inputs {
         }
     }
 
-    /// The files of all frames, then those of their labels.
+    /// The files of all frames, then the files of their labels.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let meshes = match &self.source {
             Source::Files(files) => &files[..],
@@ -129,7 +130,7 @@ impl Inputs {
     /// Reads one frame.
     ///
     /// # Errors
-    /// As for [`read_mesh`]; the error names the frame.
+    /// The errors of [`read_mesh`], with the frame.
     ///
     /// # Panics
     /// If `index` is not below [`Inputs::len`].

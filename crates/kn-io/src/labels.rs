@@ -1,4 +1,4 @@
-//! Labels of vertices: from a file beside the mesh, from a vertex property, from colours.
+//! Reading of labels from a file beside the mesh, from a vertex property, or from colours.
 
 use super::read::{Parsed, read_file};
 use super::text::{Lines, parse, shown, words};
@@ -31,7 +31,7 @@ pub(super) fn take_labels(
 /// Reads a label file: one integer per line and vertex, in the order of the vertices.
 ///
 /// # Errors
-/// A line that is no integer, a label above `max_label`, or not `vertices` labels.
+/// A line is no integer, a label is above `max_label`, or there are not `vertices` labels.
 pub fn read_labels(path: &Path, vertices: usize, max_label: u8) -> Result<Vec<u8>, MeshError> {
     let bytes = read_file(path)?;
     parse_labels(&bytes, vertices, max_label).map_err(|fault| fault.at(path))

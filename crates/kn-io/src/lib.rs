@@ -1,4 +1,4 @@
-//! Scans from files and meshes into files: OBJ, PLY, OFF, GLB and glTF.
+//! Reads scans from OBJ, PLY, OFF, GLB and glTF files, and writes meshes as OBJ, PLY and GLB.
 //!
 //! Reading keeps the order and the number of the vertices, cuts polygons into triangles, and
 //! lists what it does not carry in [`ReadNotes`]. [`Inputs`] is a sequence of frames: a folder,
@@ -60,7 +60,7 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// The format that an extension means, in upper or lower case.
+    /// The format of an extension, in upper or lower case; `None` for an unknown extension.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension.to_ascii_lowercase().as_str() {
             "obj" => Some(Self::Obj),
@@ -75,7 +75,7 @@ impl MeshFormat {
     /// The format of a file by its name.
     ///
     /// # Errors
-    /// [`MeshErrorKind::Unsupported`] where the extension is none of a mesh.
+    /// [`MeshErrorKind::Unsupported`] where the extension is not that of a mesh format.
     pub fn of_path(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         Self::of_extension(&extension).ok_or_else(|| {

@@ -1,22 +1,23 @@
-//! What a file held beside the mesh: read, but not carried. Nothing is ignored silently.
+//! Notes of content that a file has beside the mesh and that is not carried.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::AddAssign;
 
-/// What reading found and did not carry over, and what it changed; sums over frames with `+=`.
+/// Notes of a reader: content that is not carried, and polygons that were cut. `+=` adds the notes
+/// of another frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadNotes {
-    /// Faces with more than three corners, cut into fans of triangles.
+    /// Number of faces with more than three corners. They are cut into fans of triangles.
     pub polygons: u64,
-    /// Triangles that those fans became.
+    /// Number of triangles of these fans.
     pub polygon_triangles: u64,
-    /// Content that is not carried, with how often it occurs.
+    /// Kinds of content that are not carried, each with its count.
     pub ignored: BTreeMap<String, u64>,
 }
 
 impl ReadNotes {
-    /// Whether there is nothing to tell.
+    /// Whether there are no notes.
     pub fn is_empty(&self) -> bool {
         self.polygons == 0 && self.ignored.is_empty()
     }
@@ -48,7 +49,7 @@ impl AddAssign<&ReadNotes> for ReadNotes {
 }
 
 impl fmt::Display for ReadNotes {
-    /// One line, empty where there is nothing to tell.
+    /// Writes the notes as one line, which is empty without notes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         if self.polygons > 0 {

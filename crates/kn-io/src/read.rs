@@ -8,29 +8,29 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Where the labels of the vertices come from.
+/// The source of the labels of vertices.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum LabelSource {
-    /// From the file itself where it has a vertex property `label` (PLY); else none.
+    /// The vertex property `label` of the file (PLY). Files without it give no labels.
     #[default]
     Property,
-    /// From vertex colours, which must be exactly those of
+    /// The vertex colours, which must be exactly those of
     /// [`BodyPart::colour`].
     Colours,
-    /// From another file, one integer per line and vertex.
+    /// Another file, with one integer per line and vertex.
     File(PathBuf),
     /// No labels, whatever the file holds.
     None,
 }
 
-/// How to read a mesh file.
+/// Options of the readers of mesh files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Where labels come from.
+    /// Source of the labels.
     pub labels: LabelSource,
     /// The largest label value allowed, at most 254.
     pub max_label: u8,
-    /// Whether a mesh without faces is read; else it is [`MeshErrorKind::NoFaces`].
+    /// Whether a mesh without faces is read. If not, it is the error [`MeshErrorKind::NoFaces`].
     pub allow_no_faces: bool,
     /// Frames per second that an animated glTF file is sampled at.
     pub frame_rate: f64,
@@ -50,9 +50,9 @@ impl Default for ReadOptions {
 /// A mesh as it is in a file: every vertex in file order, polygons cut into fans of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scan {
-    /// The mesh; [`Mesh::check`] holds.
+    /// The mesh. It passes [`Mesh::check`].
     pub mesh: Mesh,
-    /// What the file held beside it.
+    /// Content of the file that is not carried.
     pub notes: ReadNotes,
 }
 
@@ -60,8 +60,8 @@ pub struct Scan {
 /// the file's size.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Reads an OBJ, PLY, OFF, GLB or glTF file, known by its extension. Of a glTF file it is the
-/// rest pose of the default scene; for its animation see [`Inputs`](super::Inputs).
+/// Reads an OBJ, PLY, OFF, GLB or glTF file; the extension says which. Of a glTF file the rest pose
+/// of the default scene is read; for its animation see [`Inputs`](super::Inputs).
 ///
 /// Safe on untrusted files: returns an error or a mesh with indices in range, never panics,
 /// allocates in proportion to the file and at most what [`MAX_FILE_BYTES`] allows.

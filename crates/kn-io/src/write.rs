@@ -1,4 +1,4 @@
-//! Writing one mesh into one file, whole or not at all.
+//! Writing of one mesh into one file, whole or not at all.
 
 use super::{GlbWriter, MeshError, MeshErrorKind, MeshFormat, obj, ply, write_atomically};
 use kn_mesh::Mesh;
@@ -31,8 +31,8 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
 /// as the property `name`.
 ///
 /// # Errors
-/// As for [`write_mesh`]; also where the file is no `.ply`, `name` is no property name, or there
-/// is not one value per vertex.
+/// The errors of [`write_mesh`]; also: the file is no `.ply`, `name` is no property name, or there
+/// is not one value for each vertex.
 pub fn write_mesh_with_scalar(
     path: &Path,
     mesh: &Mesh,
@@ -52,7 +52,7 @@ pub fn write_mesh_with_scalar(
     write_atomically(path, |out| ply::write_ply(mesh, Some((name, values)), out))
 }
 
-/// Whether [`write_mesh_with_scalar`] writes such a file, so that it can be known before any work.
+/// Checks that [`write_mesh_with_scalar`] can write a file of this name, before any work is done.
 ///
 /// # Errors
 /// The file is no `.ply`.

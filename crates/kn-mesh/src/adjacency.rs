@@ -1,7 +1,7 @@
-//! Who touches whom in a triangle mesh: faces and neighbours of a vertex, edges, components.
+//! Adjacency in a triangle mesh: faces and neighbours of a vertex, edges, connected components.
 //!
-//! Everything is built by counting sort, in time linear in `#V + #F` (but for sorting the few values of
-//! a row), and comes in an order that depends on the mesh alone. Faces must index inside
+//! Everything is built by counting sort, in time linear in `#V + #F` (but for sorting the few
+//! values of a row), and comes in an order that depends on the mesh alone. Faces must index inside
 //! `0..vertex_count` (see [`Mesh::check`](crate::Mesh::check)).
 //!
 //! Two users keep another structure beside these: the intra coder's conquest and quadric decimation

@@ -1,5 +1,5 @@
-//! What a scan needs before it can be coded: seams welded, empty and repeated faces dropped,
-//! and a report of every change.
+//! Cleaning of a scan before it is coded: seams are welded, and degenerate and repeated faces are
+//! dropped. A report counts every change.
 //!
 //! Boundaries, non-manifold edges, loose components and isolated vertices are kept: they are the
 //! content, and the coder handles them. Faces of zero area are kept too as long as their three
@@ -11,7 +11,7 @@ use crate::{Mesh, MeshFault, VertexMap, compose};
 use std::fmt;
 use std::ops::AddAssign;
 
-/// A cleaned mesh, and how it came from its input.
+/// A cleaned mesh, its vertex map, and a report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cleaned {
     /// The mesh without coincident vertices, degenerate and duplicate faces. Vertices keep the
@@ -20,13 +20,13 @@ pub struct Cleaned {
     /// `#V of the input`: the vertex of [`mesh`](Self::mesh) that each input vertex became, or
     /// [`DROPPED`](crate::DROPPED).
     pub vertex_map: Vec<u32>,
-    /// What was changed and what was found.
+    /// Counts of the changes and of what was found.
     pub report: CleanReport,
 }
 
 impl Cleaned {
-    /// Drops the vertices that no face uses. They show nowhere, and a stray one would stretch the
-    /// grid of a whole sequence.
+    /// Drops the vertices that no face uses. They are not visible, and one far away would stretch
+    /// the grid of the whole sequence.
     pub fn drop_isolated(mut self) -> Self {
         if self.report.isolated == 0 {
             return self;
@@ -39,14 +39,15 @@ impl Cleaned {
     }
 }
 
-/// Counts of what [`clean`] changed and of what it found and kept; sums over frames with `+=`.
+/// Counts of what [`clean`] changed, and of what it found and kept. `+=` adds the counts of another
+/// frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CleanReport {
-    /// Meshes that this report is about.
+    /// Number of meshes in this report.
     pub frames: u64,
-    /// Vertices before.
+    /// Number of vertices before cleaning.
     pub input_vertices: u64,
-    /// Faces before.
+    /// Number of faces before cleaning.
     pub input_faces: u64,
     /// Vertices merged into an earlier one at exactly the same position.
     pub welded: u64,
@@ -69,7 +70,7 @@ pub struct CleanReport {
 }
 
 impl CleanReport {
-    /// Whether the mesh came out with other vertices or faces than it went in.
+    /// Whether cleaning changed the vertices or the faces.
     pub fn changed(&self) -> bool {
         self.welded + self.degenerate + self.duplicate + self.unused > 0
     }
@@ -93,7 +94,7 @@ impl AddAssign for CleanReport {
 }
 
 impl fmt::Display for CleanReport {
-    /// One line: what was changed, then what was kept.
+    /// Writes one line: first the changes, then what was kept.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -148,7 +149,7 @@ pub fn clean(input: &Mesh) -> Result<Cleaned, MeshFault> {
     Ok(Cleaned { mesh, vertex_map: welded.into_targets(), report })
 }
 
-/// Vertices whose label is not that of the vertex they are merged into.
+/// Counts the vertices whose label differs from that of the vertex that they are merged into.
 fn label_conflicts(labels: &[u8], welded: &VertexMap) -> u64 {
     let kept = |&target: &u32| labels[welded.sources()[target as usize] as usize];
     let pairs = labels.iter().zip(welded.targets());

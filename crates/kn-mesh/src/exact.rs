@@ -1,4 +1,4 @@
-//! Grids that coordinates lie on already: integers, fixed fractions, decimals.
+//! Search for the grid that coordinates lie on already: integers, fixed fractions, decimals.
 
 use crate::{BoundingBox, Grid};
 
@@ -17,28 +17,29 @@ pub struct ExactGrid {
 /// A coordinate of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinate {
-    /// Which call of [`ExactGrid::include`] brought it, from 0.
+    /// Number of the call of [`ExactGrid::include`] that had the coordinate, from 0.
     pub frame: usize,
     /// Index of the vertex.
     pub vertex: usize,
-    /// World units.
+    /// The coordinate in world units.
     pub value: f32,
 }
 
-/// Why coordinates cannot be coded without loss.
+/// The reason why coordinates cannot be coded without loss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExactGridError {
-    /// There are none.
+    /// There are no coordinates.
     Empty,
-    /// With this one they are no multiples of any step that is tried.
+    /// The coordinates are not multiples of any step that is tried. This one ruled out the last
+    /// step.
     NoStep(Coordinate),
-    /// Their box has 2^20 steps or more along an axis.
+    /// The box of the coordinates has 2^20 steps or more along an axis.
     TooWide {
         /// The step that all are multiples of, world units.
         step: f64,
-        /// Steps along the longest side.
+        /// Number of steps along the longest side.
         steps: f64,
-        /// The coordinate that needs a step as small as this; none where it is the largest.
+        /// The coordinate that needs a step as small as this; `None` where the step is the largest.
         because: Option<Coordinate>,
     },
 }
@@ -67,7 +68,7 @@ impl std::fmt::Display for ExactGridError {
 }
 
 impl ExactGridError {
-    /// The frame that it shows in, where it does in one.
+    /// The frame of the coordinate that is the reason, where there is one.
     pub fn frame(&self) -> Option<usize> {
         match self {
             Self::Empty => None,
@@ -114,7 +115,7 @@ impl ExactGrid {
     /// The grid, with its origin at the lowest corner of all positions.
     ///
     /// # Errors
-    /// No step holds for all, or the largest that does needs more than 20 bits.
+    /// No step holds for all coordinates, or the largest such step needs more than 20 bits.
     pub fn grid(&self) -> Result<Grid, ExactGridError> {
         let bounds = self.bounds.ok_or(ExactGridError::Empty)?;
         let Some(&step) = self.steps.first() else {

@@ -1,4 +1,4 @@
-//! The sequence's grid: world coordinates to integers and back.
+//! The sequence's grid: converts world coordinates to integers and back.
 
 /// One grid for a whole sequence: `world = origin + step · integer`, the same step on all axes.
 ///
@@ -11,7 +11,7 @@ pub struct Grid {
     pub step: f64,
 }
 
-/// Why a position has no place on the grid.
+/// The reason why a position has no place on the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridError {
     /// A coordinate is NaN or infinite.

@@ -17,10 +17,10 @@ pub type GridMesh = TriangleMesh<i32>;
 ///
 /// # How an attribute comes in
 ///
-/// Attributes belong to a vertex (`#V`: labels today; colours), to a face (`#F`: a material) or to a
-/// corner (`#F × 3` indices into a table of values: texture coordinates with seams; a vertex on a
-/// seam stays one vertex). What belongs to a frame as a whole, such as a texture, stays beside the mesh.
-/// A new attribute is one more field here, empty where a mesh does not have it, and has to be
+/// Attributes belong to a vertex (`#V`: labels today; colours), to a face (`#F`: a material) or to
+/// a corner (`#F × 3` indices into a table of values: texture coordinates with seams; a vertex on a
+/// seam stays one vertex). What belongs to a frame as a whole, such as a texture, stays beside the
+/// mesh. A new attribute is one more field here, empty where a mesh does not have it, and has to be
 /// carried through these places:
 ///
 /// 1. [`clear`](Self::clear) and [`check`](Mesh::check), in this file;
@@ -43,19 +43,19 @@ pub struct TriangleMesh<C> {
 }
 
 impl<C> TriangleMesh<C> {
-    /// A mesh of `positions` (`#V × 3`) and `faces` (`#F × 3` indices into `positions`) without any
-    /// attribute. Nothing is checked, see [`Mesh::check`].
+    /// Makes a mesh of `positions` (`#V × 3`) and `faces` (`#F × 3` indices into `positions`),
+    /// without attributes. Nothing is checked; see [`Mesh::check`].
     pub fn new(positions: Vec<[C; 3]>, faces: Vec<[u32; 3]>) -> Self {
         Self { positions, faces, labels: Vec::new() }
     }
 
-    /// The same surface with these `labels`: one per vertex, or none at all.
+    /// Sets the labels: one for each vertex, or none at all.
     pub fn with_labels(self, labels: Vec<u8>) -> Self {
         Self { labels, ..self }
     }
 
-    /// A copy with the vertices at other `positions` (`#V × 3`), of another type of coordinate where
-    /// wanted.
+    /// Copies the mesh with the vertices at other `positions` (`#V × 3`), which may have another
+    /// type of coordinate.
     pub fn with_positions<D>(&self, positions: Vec<[D; 3]>) -> TriangleMesh<D> {
         TriangleMesh { positions, faces: self.faces.clone(), labels: self.labels.clone() }
     }
@@ -99,8 +99,8 @@ impl Mesh {
         BoundingBox::of(&self.positions)
     }
 
-    /// The axis-aligned box of the faces whose three corners lie apart: that of the mesh when it has been
-    /// cleaned and its isolated vertices dropped. `None` without such a face.
+    /// The axis-aligned box of the faces whose three corners lie apart: that of the mesh when it
+    /// has been cleaned and its isolated vertices dropped. `None` without such a face.
     pub fn surface_box(&self) -> Option<BoundingBox> {
         let corners = |face: &[u32; 3]| face.map(|vertex| self.positions[vertex as usize]);
         let apart = |&[a, b, c]: &[[f32; 3]; 3]| a != b && b != c && c != a;
@@ -121,7 +121,7 @@ impl Mesh {
 /// Most vertices or faces of a mesh: half-edge numbers (three per face) fit 32 bits.
 const MAX_COUNT: usize = u32::MAX as usize / 3;
 
-/// Why a [`Mesh`] is no valid mesh. Vertices and faces are counted from 0.
+/// The reason why a [`Mesh`] is not valid. Vertices and faces are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFault {
     /// A coordinate is NaN or infinite.
@@ -148,7 +148,7 @@ pub enum MeshFault {
         /// The number of vertices.
         vertices: usize,
     },
-    /// More vertices or faces than 32-bit half-edge numbers can address.
+    /// There are more vertices or faces than 32-bit half-edge numbers can address.
     #[error("{vertices} vertices and {faces} faces are more than 1431655765")]
     TooLarge {
         /// The number of vertices.

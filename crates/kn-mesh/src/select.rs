@@ -1,9 +1,9 @@
-//! Other vertices and other faces for a mesh, with all its attributes: the only functions that have
-//! to know each attribute where a mesh is welded, cleaned or decimated.
+//! Selection of vertices and faces of a mesh with all its attributes. Welding, cleaning and
+//! decimation use these functions, so that no other function of theirs has to know the attributes.
 
 use crate::TriangleMesh;
 
-/// In a vertex map: the vertex was dropped.
+/// The entry of a vertex map for a vertex that was dropped.
 pub const DROPPED: u32 = u32::MAX;
 
 /// Which vertices of a mesh are kept, and the number that each gets.
@@ -53,7 +53,7 @@ impl VertexMap {
         &self.targets
     }
 
-    /// [`targets`](Self::targets) as a vector of its own.
+    /// Returns [`targets`](Self::targets) as a vector.
     pub fn into_targets(self) -> Vec<u32> {
         self.targets
     }
@@ -63,7 +63,8 @@ impl VertexMap {
         &self.sources
     }
 
-    /// `values`, one for each input vertex, for the vertices of the result. None stay none.
+    /// Selects `values`, one for each input vertex, for the vertices of the result. An empty list
+    /// stays empty.
     pub fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
         if values.is_empty() {
             return Vec::new();
@@ -71,7 +72,7 @@ impl VertexMap {
         self.sources.iter().map(|&vertex| values[vertex as usize]).collect()
     }
 
-    /// Gives `faces` the numbers of the result.
+    /// Changes the indices of `faces` from input vertices to vertices of the result.
     pub fn renumber(&self, faces: &mut [[u32; 3]]) {
         for vertex in faces.as_flattened_mut() {
             *vertex = self.targets[*vertex as usize];
@@ -79,16 +80,15 @@ impl VertexMap {
     }
 }
 
-/// What `second`, a map from the result of `first`, makes of each input vertex of `first`: both hold
-/// the vertex that each becomes, or [`DROPPED`].
+/// Composes two vertex maps: `second` maps the result of `first`. Both hold the vertex that each
+/// vertex becomes, or [`DROPPED`].
 pub fn compose(first: &[u32], second: &[u32]) -> Vec<u32> {
     let follow = |&vertex: &u32| second.get(vertex as usize).copied().unwrap_or(DROPPED);
     first.iter().map(follow).collect()
 }
 
 impl<C: Copy> TriangleMesh<C> {
-    /// The mesh on the vertices of `map`'s result, with all attributes. No face may use a vertex that
-    /// `map` drops.
+    /// Maps the vertices by `map`, with all attributes. No face may use a vertex that `map` drops.
     pub fn map_vertices(&self, map: &VertexMap) -> Self {
         let mut faces = self.faces.clone();
         map.renumber(&mut faces);
@@ -101,8 +101,8 @@ impl<C: Copy> TriangleMesh<C> {
         self.faces.retain(keep);
     }
 
-    /// The mesh with other faces (`#F × 3`) on the same vertices. The attributes of vertices stay. Those of
-    /// faces and corners do not: a new face comes from none of the old ones.
+    /// Replaces the faces (`#F × 3`) and keeps the vertices. The attributes of vertices stay. Those
+    /// of faces and corners do not: a new face comes from none of the old ones.
     pub fn replace_faces(self, faces: Vec<[u32; 3]>) -> Self {
         Self { faces, ..self }
     }

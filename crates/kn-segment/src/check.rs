@@ -1,4 +1,4 @@
-//! Whether labels from elsewhere fit the mesh that they came with.
+//! Check of labels from other tools against their mesh.
 
 use super::error::SegmentError;
 use super::pieces::{Piece, pieces};
@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::{LABELS, OTHER, V3};
 use kn_bitstream::params::{BodyPart, UpAxis};
 
-/// What is odd about given labels.
+/// A warning about given labels: something that looks wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LabelWarning {
     /// A part lies in two pieces that are far from each other.
@@ -45,7 +45,7 @@ const GROWS_FROM: [(BodyPart, BodyPart); 8] = [
 /// Checks `labels` (`#V`) against the mesh (`positions` `#V × 3`, `faces` `#F × 3`).
 ///
 /// # Errors
-/// As [`super::Segmenter::segment`], and a number of labels that is not the number of vertices.
+/// The errors of [`super::Segmenter::segment`], or there is not one label for each vertex.
 pub fn check_labels(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],

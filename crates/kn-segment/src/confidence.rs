@@ -1,5 +1,5 @@
-//! How far a part can be trusted: whether its capsules explain its surface, and whether there is
-//! as much surface as such a part has.
+//! The confidence of a body part: whether its capsules explain its surface, and whether its surface
+//! is as large as that of such a part.
 
 use super::body::{BODY, THIGHS};
 use super::fit::Fit;

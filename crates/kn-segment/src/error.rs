@@ -1,9 +1,9 @@
-//! Why a frame cannot be segmented.
+//! Errors of the segmentation.
 
-/// What is wrong with the mesh.
+/// The reason why a mesh cannot be segmented.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SegmentError {
-    /// No vertices or no faces.
+    /// The mesh has no vertices or no faces.
     #[error("the mesh is empty")]
     Empty,
     /// A coordinate is NaN or infinite.
@@ -18,10 +18,10 @@ pub enum SegmentError {
         /// Index of the face.
         face: usize,
     },
-    /// All faces together have no area, or none that can be measured.
+    /// The faces have no area, or none that can be measured.
     #[error("the mesh has no area")]
     NoArea,
-    /// One label per vertex is needed.
+    /// There is not one label for each vertex.
     #[error("{labels} labels for {vertices} vertices")]
     LabelCount {
         /// Number of labels.

@@ -1,4 +1,4 @@
-//! From a posed body to a label per vertex: the closest part, smoothed over the surface, each part
+//! Labels of the vertices from a posed body: the closest part, smoothed over the surface, each part
 //! in one piece.
 
 use super::body::{self, BODY, CAPSULES};

@@ -1,11 +1,11 @@
 //! Finds the body parts of a scanned person without a learned model.
 //!
-//! A jointed body of capsules is registered to each frame: from the last frame's pose where there
-//! is one, else from the template in a few attitudes. What points forwards (toes, knees, elbows)
-//! tells left from right, and the evidence adds up over the frames. Vertices get the part of the
-//! closest capsule, smoothed over the surface and held to the last frame's labels, which are
-//! carried along with the bones; hanging cloth goes to the torso, a held object to [`OTHER`], and
-//! a part that cannot be told from the torso joins it.
+//! A jointed body of capsules is registered to each frame. It starts from the last frame's pose, or
+//! in the first frame from a template in several poses. Toes, knees and elbows tell the front from
+//! the back, and so left from right; the evidence is summed over the frames. Each vertex gets the
+//! body part of the closest capsule. The labels are smoothed over the surface and kept close to
+//! those of the last frame, which move with the bones. Hanging cloth belongs to the torso, a held
+//! object is [`OTHER`], and a part that cannot be told from the torso joins it.
 //!
 //! Nothing here is normative. The same frames give the same labels for any number of threads.
 

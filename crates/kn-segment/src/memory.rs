@@ -1,5 +1,5 @@
-//! What the last frame's labels say about this frame: its vertices are carried along with the
-//! bones, and a vertex that lands beside one of them leans towards its label.
+//! Labels of the last frame, as evidence for this one: the last frame's vertices move with the
+//! bones, and a vertex close to one of them prefers its label.
 
 use super::V3;
 use super::body::{self, CAPSULES, HIP, NECK, Pose};

@@ -1,4 +1,4 @@
-//! A held object: what sticks out far beyond the hands is no body part.
+//! A held object: surface far beyond the hands belongs to no body part.
 
 use super::V3;
 use super::fit::Posed;

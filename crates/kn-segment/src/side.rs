@@ -1,4 +1,4 @@
-//! Which side is left: from what points forwards (toes, knees, elbows).
+//! Left and right, told by toes, knees and elbows, which point forwards.
 
 use super::V3;
 use super::body::{self, HIP, Pose, SHOULDER};

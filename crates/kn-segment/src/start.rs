@@ -1,4 +1,4 @@
-//! Where a fit begins when there is no last frame: the template in several attitudes.
+//! The start of a fit without a last frame: the template in several poses.
 
 use super::V3;
 use super::body::{self, JOINTS, Pose, SHOULDER};

@@ -1,5 +1,5 @@
-//! The scan as the segmentation sees it: upright, in template metres, with smooth normals and
-//! neighbours; and the few samples of it that the body is fitted to.
+//! The scan as the segmentation uses it: upright, in template metres, with smooth normals and
+//! neighbours, and with the samples that the body is fitted to.
 
 use super::V3;
 use super::error::SegmentError;

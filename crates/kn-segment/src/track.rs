@@ -1,4 +1,4 @@
-//! The segmenter: what happens to a frame, and what is kept for the next.
+//! The segmenter: the steps of a frame, and the state that it keeps for the next one.
 
 use super::body::{self, JOINTS, Pose};
 use super::confidence::confidence;
@@ -18,22 +18,22 @@ pub struct SegmentOptions {
     pub up_axis: UpAxis,
 }
 
-/// Labels of a frame.
+/// The result of the segmentation of a frame: labels, confidences and warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segmentation {
     /// `#V` labels in the bi-modal paper's order: 0 head, 1–3 left and 4–6 right arm (upper,
     /// lower, hand), 7 torso, 8–10 left and 11–13 right leg (thigh, leg, foot), 14 other.
     pub labels: Vec<u8>,
-    /// How far each label can be trusted, 0 to 1; 0 where no vertex has it.
+    /// Confidence of each label, 0 to 1; 0 where no vertex has the label.
     pub confidence: [f32; LABELS],
-    /// How far the whole can be trusted: the mean confidence of the 14 body parts.
+    /// Confidence of the whole: the mean over the 14 body parts.
     pub trust: f32,
-    /// What was doubtful.
+    /// Warnings about the frame.
     pub warnings: Vec<SegmentWarning>,
 }
 
 impl Segmentation {
-    /// What is said of a mesh that is no person: all of it is [`OTHER`].
+    /// The result for a mesh that is no person: all of it is [`OTHER`].
     pub fn nobody(vertices: usize) -> Self {
         Self {
             labels: vec![OTHER; vertices],
@@ -43,29 +43,29 @@ impl Segmentation {
         }
     }
 
-    /// Whether the frame looks like a person; where it does not, all of it is [`OTHER`].
+    /// Whether a person was found. If not, all of the frame is [`OTHER`].
     pub fn found_a_person(&self) -> bool {
         !self.warnings.contains(&SegmentWarning::NoPerson)
     }
 }
 
-/// What was doubtful in a frame.
+/// A warning about the segmentation of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SegmentWarning {
-    /// An arm's part could not be told from the body and joined the torso.
+    /// A part of an arm could not be told from the torso, and joined it.
     Joined {
         /// Its label.
         part: u8,
     },
-    /// Nothing shows clearly which side is left.
+    /// Left and right could not be told apart clearly.
     SidesUnclear,
-    /// The frame does not continue the last one; the body was searched anew.
+    /// The frame does not continue the last one, and the body was searched again.
     Lost,
-    /// The body explains too little of the surface.
+    /// The body explains too little of the surface: no person was found.
     NoPerson,
 }
 
-/// Segments the frames of one sequence in their order.
+/// Segments the frames of one sequence, in their order.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     options: SegmentOptions,
@@ -126,7 +126,7 @@ const FIRST: Schedule = Schedule { steps: 8, sided: false, ..TRACK };
 const DRAPED: Schedule = Schedule { steps: 8, widths: [0.08, 0.06], draped: true, ..TRACK };
 
 impl Segmenter {
-    /// A segmenter that has seen nothing.
+    /// Makes a segmenter for a new sequence.
     pub fn new(options: SegmentOptions) -> Self {
         Self { options, past: None }
     }

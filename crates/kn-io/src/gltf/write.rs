@@ -55,7 +55,7 @@ struct Run {
 }
 
 impl GlbWriter {
-    /// Starts a file with so many frames per second.
+    /// Starts a file with this number of frames per second.
     ///
     /// # Errors
     /// The folder is missing or not writable, or the frame rate is not positive.
