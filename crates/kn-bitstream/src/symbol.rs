@@ -1,4 +1,4 @@
-//! The entropy coding of a P-frame's values. `motion.rs` says which values a frame has; an
+//! The entropy coding of a P-frame's values. `MotionFrame` says which values a frame has; an
 //! [`EntropyMode`] says how they become bits, through a [`SymbolCoder`].
 
 use crate::error::Error;
