@@ -1,4 +1,4 @@
-//! Values of flags: the codec's vocabulary, and what only the command has.
+//! Values of flags: those of the codec's vocabulary, and those that only the command has.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kn_bitstream::params::Named;

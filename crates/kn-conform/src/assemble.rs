@@ -1,11 +1,11 @@
-//! The tables run backwards: a text to a stream, and the text of a stream.
+//! Assembling of streams from text by the syntax tables, and the text of a stream.
 //!
-//! A text has lines `name = values` in the order of the syntax. A line gives one element or the next
-//! ones of an array (`translation = 1 0 -2 0*12`). Sizes, the signature, reserved bits, the CRC and
-//! the index may be left out: then they are what they should be. `value as x8500` writes other bits
-//! than the value's own. `pad = 0 as 0b1` at the end of a structure puts bits after it.
-//! `@append x00`, `@cut 3` (bytes) and `@flip 70` (a bit) change the stream after it is done. `#`
-//! begins a comment.
+//! A text has lines `name = values` in the order of the syntax. A line gives one element or the
+//! next ones of an array (`translation = 1 0 -2 0*12`). Sizes, the signature, reserved bits, the
+//! CRC and the index may be left out: then their correct values are written. `value as x8500`
+//! writes other bits than the value's own. `pad = 0 as 0b1` at the end of a structure puts bits
+//! after it. `@append x00`, `@cut 3` (bytes) and `@flip 70` (a bit) change the stream after it is
+//! done. `#` begins a comment.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! Bits one at a time, and the CRC by its definition. Literal, with no eye on speed.
+//! Bits one at a time, and the CRC by its definition. The code is literal, and not made for speed.
 
 use kn_bitstream::rule::{self, Rule};
 

@@ -1,5 +1,5 @@
-//! Values at the bounds of every range of the syntax tables and beyond them, as bytes, to try a
-//! reader with.
+//! Test inputs for readers: values at the bounds of every range of the syntax tables and beyond
+//! them, as bytes.
 
 use crate::assemble::write_element;
 use crate::bits::BitSink;
@@ -28,9 +28,9 @@ pub struct Probe {
 const ZEROS: usize = 16;
 
 impl Spec {
-    /// For every element of a sound example the values around which the tables change their verdict,
-    /// or all values of a short one. A verdict is that of the ranges of the element and of what is
-    /// derived from it before the next one is read.
+    /// For every element of a sound example the values around which the tables change their
+    /// verdict, or all values of a short one. A verdict is that of the ranges of the element and of
+    /// what is derived from it before the next one is read.
     pub fn probes(&self, example: &Example) -> Vec<Probe> {
         let Expected::Trace(lines) = &example.expected else { return Vec::new() };
         if example.structure.starts_with("descriptor ") {
@@ -75,8 +75,8 @@ impl Trial<'_> {
         bounds.into_iter().flatten().flat_map(|value| self.all(&[Value::Integer(value)])).collect()
     }
 
-    /// The last value from `sound` towards `far` that the tables allow, the one behind it, and `far`;
-    /// nothing where they allow `far`.
+    /// The last value from `sound` towards `far` that the tables allow, the one behind it, and
+    /// `far`; nothing where they allow `far`.
     fn bound(&self, sound: i64, far: i64) -> Vec<i64> {
         let allows = |value: i64| self.run(&Value::Integer(value)).rule.is_none();
         if allows(far) {

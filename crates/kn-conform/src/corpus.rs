@@ -1,4 +1,4 @@
-//! The conformance streams: what they are, and what a decoder makes of them.
+//! The conformance streams, and the verdicts on a decoder that runs on them.
 
 use std::fmt;
 use std::fs::File;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// The folders of the corpus.
 pub const FOLDERS: [&str; 3] = ["core", "uncommon", "faulty"];
 
-/// What stands beside a stream in `NAME.json`.
+/// The description of a stream, from `NAME.json`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Description {
@@ -40,11 +40,11 @@ pub struct Stream {
     pub name: String,
     /// The `.knm` file.
     pub path: PathBuf,
-    /// What is known of it.
+    /// The description of the stream.
     pub description: Description,
 }
 
-/// A corpus that cannot be read.
+/// The error for a corpus that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct CorpusError {
@@ -52,7 +52,7 @@ pub struct CorpusError {
     reason: String,
 }
 
-/// All streams of a corpus, by folder and name.
+/// Loads all streams of a corpus, sorted by folder and name.
 pub fn load_corpus(folder: &Path) -> Result<Vec<Stream>, CorpusError> {
     let mut streams = Vec::new();
     for kind in FOLDERS {
@@ -88,19 +88,19 @@ fn load_stream(kind: &str, path: PathBuf) -> Result<Stream, CorpusError> {
     Ok(Stream { name: format!("{kind}/{}", stem.unwrap_or_default()), path, description })
 }
 
-/// What a decoder made of a stream.
+/// The outcome of a decoder on a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The lines of its frames.
     Frames(Vec<String>),
-    /// It refused the stream.
+    /// The decoder refused the stream.
     Refused {
-        /// By this rule, where it says so.
+        /// The rule that it named, where it named one.
         rule: Option<String>,
-        /// With this message.
+        /// Its message.
         message: String,
     },
-    /// It could not be run.
+    /// The decoder could not be run.
     NotRun(String),
 }
 
@@ -145,11 +145,11 @@ pub struct Verdict {
     pub stream: String,
     /// Whether the decoder did what the stream asks for.
     pub passed: bool,
-    /// What it did otherwise; empty for a pass.
+    /// The difference; empty where the decoder passed.
     pub reason: String,
 }
 
-/// Compares what a decoder made of a stream with what it should have made.
+/// Compares the outcome of a decoder with the description of the stream.
 pub fn judge(stream: &Stream, outcome: &Outcome) -> Verdict {
     let reason = match (&stream.description.rule, outcome) {
         (_, Outcome::NotRun(reason)) => reason.clone(),
@@ -179,7 +179,7 @@ fn difference(expected: &[String], found: &[String]) -> String {
 /// The verdicts on a corpus.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// In the order of the corpus.
+    /// Verdicts in the order of the corpus.
     pub verdicts: Vec<Verdict>,
 }
 

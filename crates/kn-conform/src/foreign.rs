@@ -1,4 +1,4 @@
-//! Any decoder's command line, under the contract of 9.7.
+//! Runs any decoder by its command line, under the contract of 9.7.
 
 use std::io::Read;
 use std::path::Path;
@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 
 use crate::corpus::Outcome;
 
-/// More output than the lines of any stream of the corpus need.
+/// Largest output of a decoder that is read: more than any stream of the corpus needs.
 const MAX_OUTPUT: u64 = 16 << 20;
 
-/// How often a running decoder is looked after.
+/// Time between two looks at a running decoder.
 const PATIENCE: Duration = Duration::from_millis(5);
 
-/// Runs a foreign decoder: `command`, split at spaces, and the file. One that takes longer than
-/// `limit` is ended.
+/// Runs a foreign decoder: `command`, split at spaces, and the file. A decoder that takes longer
+/// than `limit` is killed.
 pub fn run_foreign(command: &str, path: &Path, limit: Duration) -> Outcome {
     let mut words = command.split_whitespace();
     let Some(program) = words.next() else { return Outcome::NotRun("no command".into()) };

@@ -1,4 +1,4 @@
-//! The Cauchy-Huffman codes, written from chapter 2 and the CSV with no eye on speed.
+//! The Cauchy-Huffman codes, written from chapter 2 and the CSV table, and not made for speed.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;

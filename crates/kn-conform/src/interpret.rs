@@ -1,4 +1,5 @@
-//! Walks the syntax tables: over bits they parse a stream, over a text they assemble one.
+//! The interpreter of the syntax tables. It parses a stream from bits, and assembles a stream from
+//! text.
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
@@ -18,7 +19,7 @@ pub(crate) struct Place<'p> {
     pub(crate) argument: i128,
 }
 
-/// Where the elements come from: the bits of a stream or the lines of a text.
+/// The source of the elements: the bits of a stream or the lines of a text.
 pub(crate) trait Elements {
     /// The next element.
     fn element(&mut self, place: &Place<'_>) -> Result<Value, Failure>;
@@ -39,8 +40,8 @@ pub(crate) struct OpenUnit {
     pub(crate) size: i128,
 }
 
-/// Finds the labels of the last key nodes from the elements so far, where something depends on them:
-/// that takes a decoded I-frame.
+/// Finds the labels of the last key nodes from the elements so far, where something depends on
+/// them: that takes a decoded I-frame.
 pub type NodeLabels<'l> = dyn Fn(&[TraceLine]) -> Option<Vec<u8>> + 'l;
 
 /// Walks tables and keeps the values that they refer to.

@@ -1,5 +1,5 @@
-//! The tunic's skirt: a pendulum hung from the hips, evaluated as a convolution with its impulse
-//! response, so that swing and lag at any moment need a fixed window of the past and no state.
+//! The skirt of the tunic: a pendulum that hangs from the hips. It is evaluated as a convolution
+//! with its impulse response, so that any moment needs a fixed window of the past and no state.
 
 use super::Action;
 use super::motion::Motion;

@@ -1,6 +1,6 @@
-//! Makes the sampled signs well-composed (Latecki 1997): no cell where inside or outside meets
-//! itself only across a diagonal. Then every cell holds one sheet of surface, and a surface net
-//! with one vertex a cell is a closed manifold.
+//! Makes the sampled signs well-composed (Latecki 1997): in no cell do the inside or the outside
+//! touch only across a diagonal. Then every cell holds one sheet of surface, and a surface net with
+//! one vertex in each cell is a closed manifold.
 
 use super::field::Scene;
 use super::lattice::{Lattice, local, mask, octant};

@@ -1,5 +1,5 @@
-//! The figure of one frame as one signed field over space, and what can be asked of it: value,
-//! gradient, body part, and a body region alone.
+//! The figure of one frame as one signed field over space. It has a value, a gradient and a body
+//! part at every point, also for a single body region.
 
 use super::cloth::{SKIRT_HEM, SKIRT_TOP, Skirt};
 use super::figure::{Figure, Group, Primitive, TORSO};

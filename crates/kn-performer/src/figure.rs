@@ -1,4 +1,4 @@
-//! The figure at rest: which solids hang on which bone, and which body part each belongs to.
+//! The figure at rest: the bone and the body part of each solid.
 
 use super::cloth::{SKIRT_HEM, SKIRT_TOP};
 use super::random::Random;

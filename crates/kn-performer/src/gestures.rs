@@ -1,4 +1,4 @@
-//! What the arms do: a small vocabulary of gestures and the ways between them.
+//! The motion of the arms: a small set of gestures and the transitions between them.
 
 use super::Action;
 use super::motion::Motion;

@@ -1,6 +1,6 @@
-//! The field sampled on a lattice that lies differently in every frame, only where the surface
-//! can be: an octree drops every block whose centre is farther from the surface than the block is
-//! large.
+//! Samples of the field on a lattice whose position differs from frame to frame. Only blocks that
+//! can hold the surface are sampled: an octree drops every block whose centre is farther from the
+//! surface than the size of the block.
 
 use super::field::Scene;
 use super::random::Random;

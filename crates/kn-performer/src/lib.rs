@@ -1,5 +1,5 @@
-//! The synthetic performer: a seeded human figure that walks, turns, dances and wears a loose
-//! tunic, polygonised anew in every frame. Sequences of any length without a file or a licence.
+//! The synthetic performer: a seeded human figure in a loose tunic that walks, turns or dances and
+//! is meshed anew in every frame. It makes sequences of any length without a file or a licence.
 //!
 //! A frame is made in this order: the choreography gives a stance (`motion`, `gestures`), the
 //! skeleton a pose (`skeleton`), solids on the bones and the swinging skirt a signed field

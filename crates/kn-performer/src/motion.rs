@@ -1,5 +1,5 @@
-//! The choreography: what the figure does at a moment, in closed form, so that frame 100,000 costs
-//! as much as frame 0 and nothing has to be remembered.
+//! The choreography: the stance of the figure at any moment, in closed form, so that frame 100,000
+//! costs as much as frame 0 and there is no state.
 
 use super::gestures::{arm_at, random_arm, spread_arm};
 use super::random::{Random, fade};

@@ -1,5 +1,6 @@
-//! The surface as a net over the lattice: a vertex in every cell that it passes, a quad around
-//! every lattice edge that it cuts (surface nets), each vertex then drawn onto the field's zero.
+//! The surface as a surface net over the lattice: a vertex in every cell that the surface passes,
+//! and a quad around every lattice edge that it cuts. Then each vertex is moved onto the zero of
+//! the field.
 
 use super::field::{Scene, value_and_gradient};
 use super::lattice::{LEAF, Lattice, NONE, SIDE, local, octant};

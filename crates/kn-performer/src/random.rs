@@ -1,4 +1,5 @@
-//! Seeded numbers by position instead of by history, so that any frame can be made alone.
+//! Seeded random numbers that depend on a position and not on earlier numbers, so that any frame
+//! can be made alone.
 
 use glam::DVec3;
 

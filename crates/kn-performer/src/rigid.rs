@@ -1,4 +1,4 @@
-//! Rotations and rigid transforms; sines come from libm, so that every platform gets the same bits.
+//! Rotations and rigid transforms. Sines come from libm, so that every platform gets the same bits.
 
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;

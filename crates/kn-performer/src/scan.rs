@@ -1,4 +1,4 @@
-//! What a scanner does to a surface: correlated bumps, grain, and holes where it saw nothing.
+//! The errors of a scanner: correlated bumps, noise, and holes.
 
 use super::net::Surface;
 use super::random::Random;

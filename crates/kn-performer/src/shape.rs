@@ -1,6 +1,6 @@
-//! The solids that the figure is made of, as signed distances (negative inside), each in the
-//! frame of the bone that carries it. Distances are exact or, for lofts, of first order: their
-//! gradient stays below [`LIPSCHITZ`], which is what the sparse sampling relies on.
+//! The solids of the figure as signed distances (negative inside), each in the frame of its bone.
+//! Distances are exact or, for lofts, of first order: their gradient stays below [`LIPSCHITZ`],
+//! which is what the sparse sampling relies on.
 
 use super::random::Random;
 use glam::DVec3;

@@ -1,6 +1,6 @@
-//! Quadric edge collapse (Garland and Heckbert 1997) down to an exact vertex count, as scanning
-//! pipelines end. It leaves triangles as uneven as a scan's: large where cloth is flat, small in
-//! folds and faces.
+//! Quadric edge collapse (Garland and Heckbert 1997) to an exact number of vertices, like the last
+//! step of scanning pipelines. The triangles are as uneven as those of a scan: large where cloth is
+//! flat, small in folds and faces.
 //!
 //! Rounds instead of a heap: every round sorts all edges by cost and takes the cheapest that do
 //! not touch each other, so that costs can be computed in parallel and ties never depend on it.

@@ -1,5 +1,6 @@
-//! The bones: proportions of the figure, and from what a motion asks for (a stance) to the frame
-//! of every bone (a pose). Arms and legs reach their targets by two-bone inverse kinematics.
+//! The bones: the proportions of the figure, and the step from a stance, which a motion asks for,
+//! to a pose, the frame of every bone. Arms and legs reach their targets by two-bone inverse
+//! kinematics.
 //!
 //! Every bone's frame has its joint as origin, z to the figure's front at rest and, in the limbs,
 //! the bone along −y. World: metres, y up, the figure's left at +x when it faces +z.

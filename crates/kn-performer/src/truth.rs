@@ -1,4 +1,4 @@
-//! Where points of the surface go: the true motion between two frames.
+//! The true motion of points of the surface between two frames.
 //!
 //! Every point belongs to a material point of the figure at rest. A frame carries it along with
 //! the bones by smooth weights that are bound at rest, then along the field's gradient onto the

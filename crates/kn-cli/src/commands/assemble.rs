@@ -1,4 +1,4 @@
-//! `kn assemble`: streams from text, by the specification's syntax tables run backwards.
+//! `kn assemble`: makes streams from text by the specification's syntax tables.
 
 use crate::Outcome;
 use crate::output::write_file;

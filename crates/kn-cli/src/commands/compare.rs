@@ -1,4 +1,4 @@
-//! `kn compare`: how far two meshes or sequences are apart.
+//! `kn compare`: measures the distortion between two meshes or sequences.
 
 mod output;
 
@@ -42,7 +42,8 @@ pub(crate) struct CompareArguments {
     /// What is measured against it
     #[arg(value_name = "OTHER")]
     other: PathBuf,
-    /// Print JSON: {mean, mean_predicted, frames, box}; mean_predicted is of the P-frames of a stream
+    /// Print JSON: {mean, mean_predicted, frames, box}; mean_predicted is of the P-frames of a
+    /// stream
     #[arg(long)]
     json: bool,
     /// Also write a row per frame to this file; - is standard output, without the table

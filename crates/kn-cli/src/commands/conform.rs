@@ -1,4 +1,4 @@
-//! `kn conform`: holds decoders and streams to the specification.
+//! `kn conform`: checks decoders and streams against the specification.
 
 use crate::Outcome;
 use crate::output::{print, print_json};

@@ -1,4 +1,4 @@
-//! `kn decode`: a .knm file in, meshes out.
+//! `kn decode`: decodes a .knm file into meshes.
 
 mod sink;
 

@@ -1,4 +1,4 @@
-//! `kn demo`: the whole way on the synthetic performer, with nothing but this binary.
+//! `kn demo`: encodes, decodes and measures the synthetic performer. It needs no data.
 
 mod picture;
 mod result;

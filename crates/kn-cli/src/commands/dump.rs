@@ -1,4 +1,4 @@
-//! `kn dump`: every syntax element of a stream.
+//! `kn dump`: prints every syntax element of a stream.
 
 use crate::Outcome;
 use crate::output::print;

@@ -1,4 +1,4 @@
-//! `kn encode`: scans in, a .knm file out.
+//! `kn encode`: encodes scans into a .knm file.
 
 mod label_checks;
 mod report;

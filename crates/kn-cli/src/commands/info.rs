@@ -1,4 +1,4 @@
-//! `kn info`: what a stream holds.
+//! `kn info`: prints the header and the frames of a stream.
 
 use crate::Outcome;
 use crate::output::{print, print_json};

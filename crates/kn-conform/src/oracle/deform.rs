@@ -1,4 +1,4 @@
-//! Chapter 8 as it is written: no other order of operations, no eye on speed.
+//! Chapter 8 as it is written, in the same order of operations, and not made for speed.
 
 /// What the sequence header says about influence.
 #[derive(Clone, Debug, Default)]

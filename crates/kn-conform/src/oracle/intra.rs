@@ -1,6 +1,7 @@
 //! Chapter 5, read literally: the mesh of an I-frame from its payload.
 //!
-//! Written from the text of the specification, with no eye on speed; shares no code with kn-codec.
+//! The code is written from the text of the specification and not made for speed. It shares no code
+//! with kn-codec.
 
 use kn_bitstream::Rule;
 use kn_mesh::GridMesh;
@@ -26,8 +27,8 @@ pub(crate) struct Payload<'p> {
 }
 
 impl<'p> Payload<'p> {
-    /// The payload whose elements `element` finds by name; `None` where one is missing, or where counts
-    /// that are not checked contradict each other.
+    /// The payload whose elements `element` finds by name; `None` where one is missing, or where
+    /// counts that are not checked contradict each other.
     pub(crate) fn of(element: impl Fn(&str) -> Option<&'p Value>) -> Option<Self> {
         let number = |name: &str| Some(element(name)?.number() as u64);
         let section = |name: &str| match element(name)? {
@@ -65,8 +66,9 @@ pub(super) struct Walk<'c> {
     pub(super) vertices: usize,
 }
 
-/// The mesh of an I-frame's payload, whose elements are in their ranges, or the rule of chapter 5 that
-/// it breaks. Memory and time are in proportion to what r[intra.counts.density] allows a payload.
+/// The mesh of an I-frame's payload, whose elements are in their ranges, or the rule of chapter 5
+/// that it breaks. Memory and time are in proportion to what r[intra.counts.density] allows a
+/// payload.
 pub(crate) fn decode_mesh(payload: &Payload<'_>) -> Result<GridMesh, Rule> {
     let [first, second, third] = payload.sections;
     let (conquest, faces) = connectivity(first, payload)?;

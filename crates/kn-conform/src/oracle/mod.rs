@@ -1,6 +1,6 @@
 //! A literal decoder: chapters 4 to 9 from the elements that the tables read.
 //!
-//! Shares no code with kn-deform and kn-codec, and has no eye on speed.
+//! It shares no code with kn-deform and kn-codec, and is not made for speed.
 
 mod conquest;
 mod deform;
@@ -45,7 +45,8 @@ pub struct Literal {
 }
 
 impl Spec {
-    /// The frames of a stream by a literal reading of the specification, or the rule that it breaks.
+    /// The frames of a stream by a literal reading of the specification, or the rule that it
+    /// breaks.
     ///
     /// Takes memory and time with no eye on either: not for untrusted streams of unknown size.
     pub fn reconstruct(&self, stream: &[u8]) -> Result<Literal, Failure> {

@@ -1,4 +1,4 @@
-//! Where decoded frames go: a file each in one folder, or one animated GLB file.
+//! The outputs of `kn decode`: a file for each frame in one folder, or one animated GLB file.
 
 use crate::output::{OutputFolder, folder_of};
 use crate::outputs::Outputs;

@@ -1,4 +1,4 @@
-//! What the demo found: table and JSON.
+//! The result of the demo as a table and as JSON.
 
 use crate::table::{grouped, table};
 use kn_codec::FrameInfo;

@@ -1,4 +1,4 @@
-//! What is odd about labels that came with the scans, each oddity told once.
+//! Warnings about labels that came with the scans. Each warning is printed once.
 
 use crate::arguments::Global;
 use crate::parts;

@@ -1,4 +1,4 @@
-//! What happened to every frame: the sum for the terminal, all of it as JSON for `--report`.
+//! The report of `kn encode`: a summary for the terminal, and all frames as JSON for `--report`.
 
 use super::label_checks::LabelChecks;
 use crate::arguments::Global;

@@ -1,4 +1,4 @@
-//! The first look at all frames: are they sound, how large is their box, what are their names.
+//! The first pass over all frames. It checks them, and finds their box and their names.
 
 use crate::arguments::Global;
 use crate::progress;
@@ -55,7 +55,8 @@ impl Survey {
         Ok(survey)
     }
 
-    /// Whether every frame is larger than a step of the grid: on a coarser one nothing is left of it.
+    /// Whether every frame is larger than a step of the grid: on a coarser one nothing is left of
+    /// it.
     ///
     /// # Errors
     /// A frame is not.

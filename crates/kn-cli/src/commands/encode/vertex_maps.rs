@@ -1,4 +1,4 @@
-//! `--vertex-maps`: where the vertices of an I-frame's file are in the decoded mesh.
+//! `--vertex-maps`: the decoded vertex of every vertex of an I-frame's file.
 
 use crate::output::{OutputFolder, write_file};
 use crate::outputs::Outputs;
@@ -7,8 +7,8 @@ use kn_codec::DROPPED;
 use std::collections::VecDeque;
 use std::path::Path;
 
-/// Files of one line a vertex: the index of the decoded vertex, or `-` where decimation took it or no
-/// face used it.
+/// Files of one line a vertex: the index of the decoded vertex, or `-` where decimation took it or
+/// no face used it.
 pub(super) struct VertexMaps {
     folder: OutputFolder,
     outputs: Outputs,

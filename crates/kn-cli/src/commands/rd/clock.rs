@@ -1,4 +1,4 @@
-//! Processor time: what a step costs, whatever else the machine does.
+//! Processor time of a step, which does not depend on other load of the machine.
 
 /// Runs a step in the current pool and adds its processor seconds to `seconds`.
 pub(super) fn timed<T>(seconds: &mut f64, step: impl FnOnce() -> T) -> T {

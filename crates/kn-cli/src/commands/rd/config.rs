@@ -1,4 +1,4 @@
-//! The configuration file: what it may hold, and the first look at whether it makes sense.
+//! The configuration file: its fields, and the checks of its values.
 
 use crate::arguments::FrameRange;
 use crate::nearest::nearest;
