@@ -265,13 +265,13 @@ impl SequenceEntry {
             Some(number) => number.to_string(),
         };
         // TOML writes whole floats as 30.0, which the flag takes too.
-        Ok(text.parse().context("fps")?)
+        text.parse().context("fps")
     }
 
     /// The axis that points up.
     pub(super) fn up_axis(&self) -> Result<UpAxis> {
         let parse = |text: &String| text.parse();
-        Ok(self.up.as_ref().map_or(Ok(UpAxis::default()), parse).context("up")?)
+        self.up.as_ref().map_or(Ok(UpAxis::default()), parse).context("up")
     }
 }
 
