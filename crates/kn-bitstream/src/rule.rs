@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A rule of the specification: its id and what it says. One word wide.
+/// A rule of the specification: its id and its sentence. The type is one pointer wide.
 ///
 /// `Display` gives both: `node_count must be from 1 to the level's limit (nodes.count.range)`.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,7 @@ impl Rule {
         self.0.id
     }
 
-    /// What the rule asks of a stream, in one sentence without a full stop.
+    /// The requirement of the rule, as one sentence without a full stop.
     pub const fn sentence(self) -> &'static str {
         self.0.sentence
     }

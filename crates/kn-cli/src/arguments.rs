@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     pub(crate) global: Global,
 }
 
-/// What every command takes.
+/// Flags of every command.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Global {
     /// Threads to use; results do not depend on it [default: all]
@@ -40,7 +40,7 @@ pub(crate) struct Global {
 }
 
 impl Global {
-    /// Tells the user something that is no result; standard output stays free for data.
+    /// Prints a note for the user on standard error. Standard output is for data.
     pub(crate) fn note(&self, text: impl std::fmt::Display) {
         if !self.quiet {
             eprintln!("{text}");

@@ -25,7 +25,7 @@ pub(crate) fn preset() -> impl TypedValueParser<Value = &'static Preset> {
         .try_map(|name| Preset::by_name(&name).ok_or("no such preset"))
 }
 
-/// Where labels come from.
+/// The value of `--labels`: the source of the labels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LabelArgument {
     None,
@@ -48,7 +48,8 @@ impl FromStr for LabelArgument {
 }
 
 impl LabelArgument {
-    /// Where a single file's reader looks; files beside the meshes are added to the sequence.
+    /// The source of labels for the reader of a single file. Files beside the meshes are added to
+    /// the sequence.
     pub(crate) fn source(choice: Option<&Self>) -> LabelSource {
         match choice {
             None => LabelSource::Property,
@@ -57,7 +58,7 @@ impl LabelArgument {
         }
     }
 
-    /// What the encoder does about frames without labels.
+    /// The encoder's setting for frames without labels.
     pub(crate) fn choice(choice: Option<&Self>, preset: LabelChoice) -> LabelChoice {
         match choice {
             None => preset,

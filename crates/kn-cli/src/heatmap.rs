@@ -46,7 +46,7 @@ pub(crate) fn coloured(
     render(mesh, Paint::PerVertex(&colours), view, size)
 }
 
-/// What is written at the scale.
+/// Text at the colour scale.
 pub(crate) fn scale_labels(end: f64, unit: &str) -> Legend {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let [start, middle] = [0.0, end / 2.0].map(|value| format!("{value}{unit}"));

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is not finished now.
+/// Outputs that are not finished.
 static UNFINISHED: Mutex<Pending> = Mutex::new(Pending { temporary: Vec::new(), made: Vec::new() });
 
-/// What an interrupt removes.
+/// Files and folders that an interrupt removes.
 struct Pending {
     /// Files and folders under temporary names.
     temporary: Vec<PathBuf>,
@@ -35,8 +35,8 @@ pub(crate) fn install() -> anyhow::Result<()> {
 pub(crate) struct Unfinished(PathBuf);
 
 impl Unfinished {
-    /// Begins with what `create` makes; an interrupt comes either before or after both. What was made
-    /// must be dropped before this is.
+    /// Begins with what `create` makes; an interrupt comes either before or after both. What was
+    /// made must be dropped before this is.
     pub(crate) fn begin<T>(
         create: impl FnOnce() -> std::io::Result<T>,
         path_of: impl FnOnce(&T) -> &Path,

@@ -22,7 +22,7 @@ use clap::Parser;
 use std::io;
 use std::process::ExitCode;
 
-/// What a command found, where it could do its work at all.
+/// The outcome of a command that could do its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
     /// Done, equal, conforming: exit code 0.

@@ -13,7 +13,7 @@ pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// How an output is called in messages.
+/// Name of an output in messages.
 pub(crate) fn name_of(path: &Path) -> String {
     if is_dash(path) { "standard output".into() } else { path.display().to_string() }
 }
@@ -139,7 +139,7 @@ impl OutputFolder {
         self.staging.path().join(name)
     }
 
-    /// Where the file of that name will be at the end.
+    /// Path that the file of this name will have at the end.
     pub(crate) fn target(&self, name: &str) -> PathBuf {
         self.made.folder().join(name)
     }

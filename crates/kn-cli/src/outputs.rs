@@ -1,4 +1,4 @@
-//! What a command is going to write, checked before any work: no output replaces an input or
+//! Outputs of a command, checked before any work: no output replaces an input or
 //! another output, and each can be written where it shall be.
 
 use crate::output::{folder_of, is_dash};
@@ -15,7 +15,7 @@ pub(crate) struct Outputs {
     outputs: HashMap<Identity, String>,
 }
 
-/// What two paths to the same file have in common, whatever links they go through.
+/// The identity of a file: equal for two paths to the same file, whatever links they go through.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Identity {
     StandardOutput,

@@ -20,7 +20,7 @@ pub(crate) fn confidence_json(confidence: &[f32]) -> Value {
         .into()
 }
 
-/// What the segmentation doubts.
+/// The text of a warning of the segmentation.
 pub(crate) fn doubt(warning: SegmentWarning) -> String {
     match warning {
         SegmentWarning::Joined { part } => {
@@ -32,7 +32,7 @@ pub(crate) fn doubt(warning: SegmentWarning) -> String {
     }
 }
 
-/// What is odd about given labels.
+/// The text of a warning about given labels.
 pub(crate) fn oddity(warning: LabelWarning) -> String {
     match warning {
         LabelWarning::Split { part, gap } => {

@@ -11,7 +11,7 @@ use kn_codec::{
     NodeChoice, NodePlacement, PartStart, Setting, SmoothingChoice, StepChoice, TranslationChoice,
 };
 
-/// What the codec can be told; what is left out stays as the preset has it.
+/// Settings of the codec. A setting that is not given keeps the value of the preset.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Settings {
     /// Bits for the longest side of the sequence's box [default: 11]
@@ -23,33 +23,34 @@ pub(crate) struct Settings {
     /// Frames in a GoF: an I-frame, then P-frames [default: 8]
     #[arg(long, value_name = "N")]
     gof: Option<u8>,
-    /// Decimate I-frames to at most so many faces, such as 5000, or to a share of them, such as 25%
+    /// Decimate I-frames to at most this number of faces, such as 5000, or to a share, such as 25%
     #[arg(long, value_name = "N|P%")]
     iframe_faces: Option<Decimation>,
-    /// Decimate I-frames until a vertex lies further than this from the surface, world units
+    /// Decimate I-frames as far as no vertex lies further than this from the surface, in world
+    /// units
     #[arg(long, conflicts_with = "iframe_faces", value_name = "LENGTH")]
     #[arg(value_parser = choices::length)]
     iframe_error: Option<f64>,
-    /// Key nodes in a GoF, or `auto`: as many as pay for their bytes [default: auto, or what the
-    /// preset has]
+    /// Number of key nodes in a GoF, or `auto`: as many as pay for their bytes [default: auto, or
+    /// the preset's]
     #[arg(long, value_name = "N|AUTO")]
     nodes: Option<NodeChoice>,
-    /// Where key nodes are put [default: generated]
+    /// Places of the key nodes [default: generated]
     #[arg(long, value_parser = named::<NodePlacement>())]
     placement: Option<NodePlacement>,
-    /// What happens in a region without key nodes: an error, or the nearest nodes of any region
+    /// Region without key nodes: an error, or moved by the nearest nodes of any region
     #[arg(long, value_parser = named::<InfluenceMode>())]
     influence: Option<InfluenceMode>,
-    /// Which key nodes are affine: none, those of the torso, those that pay, or all
+    /// Affine key nodes: none, those of the torso, those that pay for their bytes, or all
     #[arg(long, value_parser = named::<AffineChoice>())]
     affine: Option<AffineChoice>,
-    /// When the components of affine nodes are chosen by least J = D + λR [default: first-p]
+    /// Choice of the components of affine nodes by least J = D + λR [default: first-p]
     #[arg(long, value_parser = named::<CombinationChoice>())]
     choice: Option<CombinationChoice>,
     /// Combination of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
     #[arg(long, conflicts_with = "choice")]
     combination: Option<Combination>,
-    /// What D is measured by [default: surrogate]
+    /// Measure of D [default: surrogate]
     #[arg(long, value_parser = named::<DistortionMeasure>())]
     distortion: Option<DistortionMeasure>,
     /// λ: the distortion that a byte of a P-frame is worth [default: 3e-5]
@@ -59,14 +60,14 @@ pub(crate) struct Settings {
     /// their nodes move [default: on]
     #[arg(long, value_parser = named::<PartStart>())]
     part_start: Option<PartStart>,
-    /// What translations are predicted from: nothing, as in the paper, or the cheapest in each frame
+    /// Prediction of translations: none, as in the paper, or the cheapest in each frame
     /// [default: cost]
     #[arg(long, value_parser = named::<TranslationChoice>())]
     translation: Option<TranslationChoice>,
-    /// How strongly decoded I-frames are smoothed: auto, or 0 (not at all) to 5 [default: auto]
+    /// Strength of the smoothing of I-frames: auto, or 0 (none) to 5 [default: auto]
     #[arg(long, value_name = "AUTO|N")]
     smoothing: Option<SmoothingChoice>,
-    /// From distance to weight: inverse-square, sumner or gaussian:SIGMA (in grid steps)
+    /// Weights by distance: inverse-square, sumner or gaussian:SIGMA (in grid steps)
     #[arg(long)]
     weights: Option<Weights>,
     /// Key nodes that move a vertex, Q [default: 4]
@@ -76,20 +77,20 @@ pub(crate) struct Settings {
     /// P-frame [default: auto]
     #[arg(long, value_name = "STEPS|AUTO")]
     motion_step: Option<StepChoice>,
-    /// Of rotations: how far it moves a vertex, in grid steps [default: that of translations, or by
-    /// least J]
+    /// Quantiser step of rotations: the distance that it moves a vertex, in grid steps [default:
+    /// that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     rotation_step: Option<f64>,
-    /// Likewise of scales [default: twice that of translations, or by least J]
+    /// Quantiser step of scales [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     scale_step: Option<f64>,
-    /// Likewise of shears [default: twice that of translations, or by least J]
+    /// Quantiser step of shears [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
     shear_step: Option<f64>,
 }
 
 impl Settings {
-    /// Changes what was told.
+    /// Writes the settings that are given into `config`.
     pub(crate) fn apply(&self, config: &mut EncoderConfig) {
         let set = |setting: &mut u8, value: Option<u8>| *setting = value.unwrap_or(*setting);
         if let Some(bits) = self.bits {

@@ -18,7 +18,7 @@ const MAX_STDIN_BYTES: u64 = 1 << 32;
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
 
-/// How a stream is called in messages.
+/// Name of a stream in messages.
 pub(crate) fn name_of(path: &Path) -> String {
     if is_dash(path) { "standard input".into() } else { path.display().to_string() }
 }

@@ -1,4 +1,4 @@
-//! What the tables do: parse a stream, assemble one, read an example.
+//! The uses of the syntax tables: to parse a stream, to assemble one, to read an example.
 
 use std::collections::BTreeSet;
 
@@ -128,7 +128,7 @@ impl Spec {
     }
 }
 
-/// What is known before an example (1.4).
+/// The values that are known before an example (1.4).
 pub(crate) fn know(environment: &mut Environment, example: &Example) {
     environment.set("UnitBegin", -16);
     for (name, value) in &example.given {

@@ -58,11 +58,11 @@ pub struct Example {
     pub given: Vec<(String, i64)>,
     /// The bytes.
     pub bytes: Vec<u8>,
-    /// What they mean.
+    /// The meaning of the bytes.
     pub expected: Expected,
 }
 
-/// What an example's bytes mean.
+/// The meaning of an example's bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expected {
     /// Trace lines, `bit name = value`.

@@ -12,7 +12,7 @@ use crate::product::stream_trace;
 use crate::spec::Spec;
 use crate::value::Failure;
 
-/// What one reader says of a stream.
+/// The verdict of one reader on a stream.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
     /// `decoder`, `syntax tables` or `literal reading`.
@@ -21,7 +21,7 @@ pub struct Finding {
     pub passed: bool,
     /// The rule that is broken, where one is.
     pub rule: Option<String>,
-    /// What is wrong; empty for a pass.
+    /// The error; empty where the reader accepts the stream.
     pub reason: String,
 }
 

@@ -116,12 +116,12 @@ impl fmt::Display for TraceLine {
     }
 }
 
-/// Where a stream or a text cannot be read, and why.
+/// The place where a stream or a text cannot be read, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Bit offset in the stream (for a text: in the stream assembled so far).
     pub bit: u64,
-    /// What is wrong.
+    /// The reason.
     pub reason: String,
     /// The rule that is broken, where the reader knows it.
     pub rule: Option<Rule>,

@@ -69,7 +69,7 @@ pub mod part {
     pub const COUNT: usize = BodyPart::COUNT - 1;
 }
 
-/// What the figure does.
+/// The action of the figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Stands, breathes and sways: slow motion.
@@ -85,14 +85,14 @@ pub enum Action {
     Poses,
 }
 
-/// What [`Performer::new`] needs to know.
+/// Settings of a [`Performer`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerformerConfig {
     /// Decides proportions, choreography, folds, lattices and noise.
     pub seed: u64,
     /// Vertices of a frame before holes are cut, 1,000 to 200,000; met exactly up to holes.
     pub vertices: usize,
-    /// What the figure does.
+    /// The action of the figure.
     pub action: Action,
     /// Frames per second, 1 to 1000.
     pub fps: f64,
@@ -130,7 +130,7 @@ impl Default for PerformerConfig {
 pub struct PerformerError {
     /// The field of [`PerformerConfig`].
     pub setting: &'static str,
-    /// What was asked.
+    /// The value that was given.
     pub value: f64,
     /// Smallest allowed value.
     pub least: f64,

@@ -1,4 +1,4 @@
-//! What the tables of measurements share.
+//! Code that the tables of measurements share.
 
 use anyhow::Result;
 use kn_codec::{Decoder, Encoder, EncoderConfig, StepChoice};

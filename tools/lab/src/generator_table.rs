@@ -1,11 +1,11 @@
-//! What the key-node generator gains over farthest points, GoF by GoF.
+//! Gain of the key-node generator over farthest points, GoF by GoF.
 //!
 //! `cargo run --release -p kn-lab -- generator-table [NODES [FOLDER..]]`
 //!
 //! Every folder of `frame_0000.obj` files is coded twice in GoFs of eight frames, 11 bits, rigid
 //! nodes and no labels: with nodes by farthest points and with generated ones. Without folders:
-//! `dancer`, `liam` and `tshirt_turn` of `KN_DATA` (`docs/data.md`). P2S is the mean of both directions' RMS,
-//! in 1e-4 of the diagonal of the box of all frames.
+//! `dancer`, `liam` and `tshirt_turn` of `KN_DATA` (`docs/data.md`). P2S is the mean of both
+//! directions' RMS, in 1e-4 of the diagonal of the box of all frames.
 
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result};

@@ -1,4 +1,4 @@
-//! How many limbs the fit loses when they swing far between two frames.
+//! Number of limbs that the fit loses when they swing far between two frames.
 //!
 //! `cargo run --release -p kn-lab -- large-motion [SEEDS [FIRST]]`
 //!

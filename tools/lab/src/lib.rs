@@ -1,3 +1,3 @@
-//! What the measuring programs share with the benches.
+//! Code that the measuring programs share with the benches.
 
 pub mod ring;

@@ -1,11 +1,11 @@
-//! What P-frames lose, frame by frame, with rigid and with affine key nodes.
+//! Distortion of P-frames, frame by frame, with rigid and with affine key nodes.
 //!
 //! `cargo run --release -p kn-lab -- motion-table [FOLDER FIRST COUNT]`
 //!
 //! The frames FIRST to FIRST + COUNT − 1 of a folder of `frame_0000.obj` files are one GoF: an
 //! I-frame at 11 bits and P-frames that are chained. Body parts come from the segmenter. Distances
-//! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4 to
-//! 11 of the sequence dancer (`docs/data.md`), and where that is absent a few of the performer.
+//! are in 1e-4 of the diagonal of the box of all frames in the folder. Without arguments: frames 4
+//! to 11 of the sequence dancer (`docs/data.md`), and where that is absent a few of the performer.
 
 use crate::coding::{Surface, code, without_choices};
 use anyhow::{Context, Result, ensure};

@@ -1,10 +1,10 @@
-//! What the surrogate of MSDM2 looks at, beside MSDM2, for the frames of streams.
+//! Values of the surrogate of MSDM2, beside MSDM2, for the frames of streams.
 //!
 //! `cargo run --release -p kn-lab -- surrogate-table FOLDER FIRST STREAM...`
 //!
 //! FOLDER holds the scans that the streams were made from, the streams' first frame is the FIRST of
-//! them. Prints a CSV row for each P-frame: MSDM2 (symmetric), and of the decoded surface against the
-//! scan the RMS distance relative to the diagonal and the mean of 1 − cos between normals.
+//! them. Prints a CSV row for each P-frame: MSDM2 (symmetric), and of the decoded surface against
+//! the scan the RMS distance relative to the diagonal and the mean of 1 − cos between normals.
 
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Decoder, FrameKind};

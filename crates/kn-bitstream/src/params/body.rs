@@ -106,7 +106,7 @@ pub enum Region {
     /// Right thigh, leg and foot.
     #[strum(serialize = "Right leg")]
     RightLeg,
-    /// What is no part of a body.
+    /// Vertices that belong to no part of a body.
     Other,
 }
 
@@ -158,7 +158,7 @@ impl BodyPart {
         }
     }
 
-    /// The same part of the other side; head, torso and `Other` have no side.
+    /// The corresponding part on the other side. Head, torso and `Other` have no side.
     pub const fn mirrored(self) -> Self {
         match self {
             Self::LeftUpperArm => Self::RightUpperArm,

@@ -3,7 +3,7 @@
 use crate::params::{NameError, Named};
 use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
 
-/// What a world unit is (`unit_of_length`).
+/// The unit of world coordinates (`unit_of_length`).
 #[derive(
     Clone,
     Copy,
@@ -68,7 +68,7 @@ pub enum UpAxis {
     Z,
 }
 
-/// How the weight of a node falls with its distance d from the vertex (`weight_scheme`).
+/// The weight of a node as a function of its distance d from the vertex (`weight_scheme`).
 #[derive(
     Clone,
     Copy,
@@ -96,7 +96,7 @@ pub enum WeightScheme {
     Gaussian,
 }
 
-/// What happens to a vertex whose region has no key node (`influence_mode`,
+/// The influence on a vertex whose region has no key node (`influence_mode`,
 /// `deform.influence.mode`).
 #[derive(
     Clone,
@@ -122,7 +122,7 @@ pub enum InfluenceMode {
     Fallback,
 }
 
-/// What the translations of a P-frame are predicted from (`translation_mode`).
+/// The prediction of the translations of a P-frame (`translation_mode`).
 #[derive(
     Clone,
     Copy,

@@ -20,8 +20,8 @@ pub trait Named: Clone + AsRef<str> + EnumMessage {
         self.as_ref()
     }
 
-    /// What the value means: the first paragraph of its documentation, in one line, without a full
-    /// stop.
+    /// The meaning of the value: the first paragraph of its documentation, in one line, without a
+    /// full stop.
     fn about(&self) -> String {
         let documentation = self.get_documentation().unwrap_or_default();
         let paragraph = documentation.split("\n\n").next().unwrap_or_default();

@@ -39,7 +39,7 @@ pub(crate) struct CompareArguments {
     /// The reference
     #[arg(value_name = "REFERENCE")]
     reference: PathBuf,
-    /// What is measured against it
+    /// The mesh or sequence that is measured against the reference
     #[arg(value_name = "OTHER")]
     other: PathBuf,
     /// Print JSON: {mean, mean_predicted, frames, box}; mean_predicted is of the P-frames of a
@@ -71,7 +71,7 @@ pub(crate) struct CompareArguments {
     /// Write the other side's first frame with the local difference as the vertex property `error`
     #[arg(long, value_name = "FILE.ply")]
     values: Option<PathBuf>,
-    /// What --heatmap and --values show
+    /// The local difference that --heatmap and --values show
     #[arg(long, value_enum, default_value_t = LocalError::Distance)]
     local: LocalError,
 }
@@ -223,7 +223,7 @@ impl CompareArguments {
     }
 }
 
-/// What shows the first frame, where it was asked for.
+/// The pictures and files of the first frame, where they were asked for.
 #[derive(Default)]
 struct Drawn {
     /// A PNG file.

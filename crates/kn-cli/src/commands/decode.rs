@@ -93,7 +93,8 @@ pub(crate) fn run(arguments: &DecodeArguments, global: &Global) -> Result<Outcom
 }
 
 impl DecodeArguments {
-    /// What the output is, before any work: a folder that is there or will be made, or a GLB file.
+    /// Finds the kind of the output before any work: a folder, which may not exist yet, or a GLB
+    /// file.
     fn target(&self) -> Result<Target> {
         let (output, name) = (&self.output, self.output.display());
         ensure!(
@@ -174,7 +175,7 @@ impl DecodeArguments {
     }
 }
 
-/// What the output is.
+/// The kind of the output.
 enum Target {
     /// Files of this extension.
     Folder(&'static str),

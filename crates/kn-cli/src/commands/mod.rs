@@ -16,7 +16,7 @@ mod verify;
 use crate::Outcome;
 use crate::arguments::Global;
 
-/// What to do.
+/// The command to run.
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Command {
     Encode(encode::EncodeArguments),

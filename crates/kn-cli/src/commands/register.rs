@@ -19,8 +19,8 @@ use std::time::Instant;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 OUT has the faces and the vertices of SOURCE in the same order; only positions change. The meshes
-need no common connectivity, but they should stand in the same place and pose roughly alike. What
-the motion does not explain is told on standard error.
+need no common connectivity, but they should stand in the same place and have similar poses. Parts
+that the motion does not explain are reported on standard error.
 
 Distances are those of the deformed vertices to the surface of TARGET (s2t), of its vertices to the
 deformed surface (t2s), the larger of both maxima (hausdorff) and to the true positions (truth),
@@ -52,7 +52,7 @@ pub(crate) struct RegisterArguments {
     json: bool,
 }
 
-/// What --json prints.
+/// The output of --json.
 #[derive(Debug, Serialize)]
 struct Measured {
     #[serde(flatten)]
@@ -65,7 +65,7 @@ struct Measured {
     seconds: f64,
 }
 
-/// How near the deformed source comes, relative to the diagonal of the target's box.
+/// Distances of the deformed source from the target, relative to the diagonal of the target's box.
 #[derive(Debug, Serialize)]
 struct Relative {
     /// RMS from the deformed vertices to the target's surface.

@@ -1,4 +1,4 @@
-//! `kn segment`: scans in, body parts of their vertices out.
+//! `kn segment`: finds the body parts of scans.
 
 mod preview;
 
@@ -29,12 +29,12 @@ head, 1 to 3 left upper arm, lower arm and hand, 4 to 6 the right ones, 7 torso,
 leg and foot, 11 to 13 the right ones, 14 anything else, such as a held ball. Left is that of the
 person.
 
-Scans are looked at in their order: parts are followed from frame to frame, and what one frame does
-not show (which side is left, a hand on the hip) the others tell. Hands and lower arms that cannot
-be told from the body join the torso. Where a frame looks like no person, all of it is 14.
+Scans are segmented in their order, and parts are tracked from frame to frame. Where one frame does
+not show which side is left, or shows a hand on the hip, the other frames help. Hands and lower arms
+that cannot be told from the torso join it. A frame in which no person is found is 14 everywhere.
 
-kn encode does the same by itself; files are of use to correct labels by hand, or to check those of
-another tool (--check): a part in two pieces that are far apart, left and right swapped.
+kn encode finds the labels by itself. Use files to correct labels by hand. Use --check for the
+labels of another tool: it reports parts in two pieces that are far apart, and swapped sides.
 
 Exit codes: 0 done; 1 a frame without a person, or a doubt that --check has; 2 an error.
 
@@ -59,12 +59,12 @@ pub(crate) struct SegmentArguments {
     /// The axis that points up
     #[arg(long, value_parser = named::<UpAxis>(), default_value_t = UpAxis::Y)]
     up: UpAxis,
-    /// Print JSON: every frame's confidence by part, and what was doubtful
+    /// Print JSON: every frame's confidence by part, and the warnings
     #[arg(long)]
     json: bool,
 }
 
-/// What is known of a frame.
+/// The result of a frame.
 #[derive(Debug, Serialize)]
 struct Row {
     frame: usize,

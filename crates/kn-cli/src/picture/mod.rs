@@ -19,5 +19,5 @@ pub(crate) use view::View;
 const PAPER: Colour = [255; 3];
 /// Captions.
 const INK: Colour = [40, 44, 52];
-/// What scans are painted with.
+/// Colour of scans.
 pub(crate) const CLAY: Colour = [214, 190, 170];

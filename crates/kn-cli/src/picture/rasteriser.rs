@@ -4,7 +4,7 @@ use super::canvas::{Canvas, Colour};
 use super::view::View;
 use kn_mesh::Mesh;
 
-/// What a surface is painted with.
+/// The paint of a surface.
 #[derive(Clone, Copy)]
 pub(crate) enum Paint<'a> {
     /// One colour.

@@ -1,4 +1,4 @@
-//! Where a picture is taken from: parallel projection, turned about the up axis.
+//! The view of a picture: a parallel projection, turned about the up axis.
 
 use kn_bitstream::params::UpAxis;
 use kn_mesh::BoundingBox;
@@ -16,7 +16,7 @@ pub(crate) struct View {
 
 /// Share of the picture left free around the box.
 const MARGIN: f32 = 0.03;
-/// How far the camera looks down, so that the tops of shoulders and feet show.
+/// Angle by which the camera looks down, so that the tops of shoulders and feet are visible.
 const PITCH_DEGREES: f32 = 8.0;
 
 impl View {

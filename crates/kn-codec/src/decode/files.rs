@@ -101,7 +101,7 @@ impl<R: Read + Seek> Decoder<R> {
     /// Number of frames in the file, by its index.
     ///
     /// # Errors
-    /// As for [`Self::index`].
+    /// The errors of [`Self::index`].
     pub fn frame_count(&mut self) -> Result<u64, DecodeError> {
         Ok(self.index()?.groups.iter().map(|group| u64::from(group.frames)).sum())
     }

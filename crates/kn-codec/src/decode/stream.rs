@@ -136,7 +136,7 @@ impl StreamDecoder {
     /// Decodes like [`Self::poll`], and calls `trace` with every syntax element.
     ///
     /// # Errors
-    /// As for [`Self::poll`].
+    /// The errors of [`Self::poll`].
     pub fn poll_traced(
         &mut self,
         mesh: &mut Mesh,

@@ -6,11 +6,11 @@ use crate::encode::failure::FailureTuning;
 /// Numbers that the encoder decides by and that are no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Tuning {
-    /// What the settings of the rate begin with.
+    /// Default settings of the rate.
     pub(crate) rate: RateTuning,
     /// When a frame begins a new GoF.
     pub(crate) failure: FailureTuning,
-    /// How many key nodes a GoF has, and which are affine.
+    /// Key nodes and affine nodes.
     pub(crate) nodes: NodeTuning,
     /// The surrogate of MSDM2.
     pub(crate) surrogate: SurrogateTuning,

@@ -35,7 +35,7 @@ pub(crate) use intra::{Payload, decode_mesh};
 /// Regions of the 15 labels of a body (6.2).
 const BODY_REGIONS: [i64; 15] = [0, 2, 2, 2, 3, 3, 3, 1, 4, 4, 4, 5, 5, 5, 6];
 
-/// What a literal reading makes of a stream.
+/// The result of the literal decoder for a stream.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Literal {
     /// Lines `index kind #V #F sha256` (9.7).

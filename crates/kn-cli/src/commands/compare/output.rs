@@ -6,7 +6,7 @@ use kn_sequence::{Comparison, FrameComparison, Metric, SequenceComparison};
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// What was measured.
+/// The measured values of a comparison.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     /// Over all frames.
@@ -15,7 +15,7 @@ pub(super) struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     mean_predicted: Option<Comparison>,
     frames: Vec<FrameRow>,
-    /// What relative values refer to.
+    /// The box that relative values refer to.
     #[serde(rename = "box")]
     scale: BoxLengths,
 }

@@ -10,7 +10,7 @@ use kn_bitstream::params::UpAxis;
 use kn_mesh::{BoundingBox, Mesh};
 use kn_metrics::{CompareOptions, Surface};
 
-/// How many frames are shown.
+/// Number of frames in the picture.
 const COLUMNS: usize = 5;
 /// The performer faces along z at first; half from the side, arms and stride show better.
 const YAW_DEGREES: f32 = 25.0;

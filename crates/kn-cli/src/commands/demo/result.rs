@@ -19,11 +19,11 @@ pub(super) struct Seconds {
     pub(super) measure: f64,
 }
 
-/// Everything that demo.json holds.
+/// The content of demo.json.
 #[derive(Debug, Serialize)]
 pub(super) struct DemoResult {
     bytes: u64,
-    /// The same frames as 32-bit floats and indices.
+    /// Bytes of the same frames as 32-bit floats and indices.
     raw_bytes: u64,
     fps: f64,
     verified: bool,

@@ -5,7 +5,7 @@ use crate::parts;
 use kn_segment::LabelWarning;
 use std::path::{Path, PathBuf};
 
-/// Everything odd so far.
+/// The warnings so far.
 #[derive(Debug, Default)]
 pub(super) struct LabelChecks(Vec<Oddity>);
 

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What happened so far.
+/// The frames that are read and coded so far.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     frames: Vec<FrameEntry>,
@@ -172,7 +172,7 @@ impl Report {
         }
     }
 
-    /// What decimation did to the I-frames, where it did anything.
+    /// Summary of the decimation of I-frames, where there was any.
     fn tell_decimation(&self, global: &Global) {
         let coded = self.frames.iter().filter_map(|frame| frame.coded.as_ref());
         let coarser = coded.filter(|coded| coded.decimation_error > 0.0);

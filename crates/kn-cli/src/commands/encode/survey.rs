@@ -9,7 +9,7 @@ use kn_mesh::{BoundingBox, ExactGrid, Grid};
 use kn_sequence::clean_scan;
 use std::path::PathBuf;
 
-/// What is known about a sequence before it is encoded.
+/// Facts about a sequence, known before it is encoded.
 pub(crate) struct Survey {
     /// The file of each frame.
     pub(crate) files: Vec<PathBuf>,
@@ -80,7 +80,7 @@ impl Survey {
         );
     }
 
-    /// How many steps the longest side of the box of all frames has.
+    /// Number of steps along the longest side of the box of all frames.
     pub(crate) fn steps(&self, step: f64) -> f64 {
         self.bounds.map_or(0.0, |bounds| bounds.longest_side() / step)
     }

@@ -18,7 +18,7 @@ use std::path::Path;
 /// Changes when the same cell would be measured or written differently.
 const FORMAT: u32 = 1;
 
-/// What to encode, and how.
+/// The sequence and the settings of a cell.
 pub(super) struct Cell<'p> {
     pub(super) sequence: &'p Sequence,
     pub(super) codec: &'p CodecEntry,

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Everything that a configuration says.
+/// A configuration of a study.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Config {
@@ -298,7 +298,7 @@ fn check_names<'n>(kind: &str, names: impl IntoIterator<Item = &'n String>) -> R
     Ok(())
 }
 
-/// What an entry does not know itself must be a setting.
+/// Fields that an entry does not know must be settings.
 fn check_keys(settings: &toml::Table, own: &[&str]) -> Result<()> {
     let Some(unknown) = settings.keys().find(|key| !Settings::has_key(key)) else { return Ok(()) };
     let keys = Settings::keys();

@@ -11,7 +11,7 @@ use std::path::Path;
 
 const JSON: &str = "results.json";
 
-/// What results.json holds: the study, and what follows from it.
+/// The content of results.json: the study and its results.
 #[derive(Serialize)]
 struct Results<'a> {
     #[serde(flatten)]

@@ -15,7 +15,7 @@ use anyhow::Result;
 use html::esc;
 use std::path::Path;
 
-/// What a report is made of.
+/// The data of a report.
 pub(super) struct Material<'m> {
     pub(super) config: &'m Config,
     pub(super) study: &'m Study,

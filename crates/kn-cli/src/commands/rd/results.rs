@@ -1,9 +1,9 @@
-//! What a run finds: the cells' own files and results.json.
+//! Results of a run: the files of the cells, and results.json.
 
 use kn_metrics::{Comparison, Metric};
 use serde::{Deserialize, Serialize};
 
-/// Everything that a report is made of, together with the configuration.
+/// The results of a study. With the configuration they are all data of a report.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Study {
     /// Version of kn.
@@ -62,7 +62,7 @@ pub(super) struct Failure {
     pub(super) reason: String,
 }
 
-/// What was measured on one stream.
+/// The measured values of one stream.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CellResult {
     pub(super) key: String,
@@ -80,7 +80,7 @@ pub(super) struct CellResult {
     pub(super) frames: Vec<FrameResult>,
 }
 
-/// What was measured on one frame.
+/// The measured values of one frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FrameResult {
     pub(super) index: u64,

@@ -171,7 +171,7 @@ fn frames_in(range: &FrameRange, count: usize) -> Result<Range<usize>> {
     Ok(range.first() as usize..range.last().min(last) as usize + 1)
 }
 
-/// What one look at all frames tells.
+/// Facts from one pass over all frames.
 struct Look {
     bounds: Option<BoundingBox>,
     labelled: bool,

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where cells are kept.
+/// The folder that keeps the cells.
 pub(super) struct Store {
     cells: PathBuf,
 }

@@ -67,7 +67,7 @@ fn cell_row(cell: &CellRow, fps: f64, qualities: &[Quality]) -> Vec<String> {
     row
 }
 
-/// What has no result, and why.
+/// The cells without a result, with their reasons.
 pub(super) fn failures(study: &Study) -> String {
     if study.failures.is_empty() {
         return String::new();

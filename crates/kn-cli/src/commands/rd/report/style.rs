@@ -1,4 +1,4 @@
-//! How the report looks: colours and markers of the codecs.
+//! Style of the report: colours and markers of the codecs.
 
 /// The style sheet of the page.
 pub(super) const CSS: &str = include_str!("style.css");
