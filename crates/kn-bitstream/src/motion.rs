@@ -35,7 +35,7 @@ pub struct MotionFrame {
     pub entropy_mode: EntropyMode,
     /// Prediction of `translation`.
     pub translation_mode: TranslationMode,
-    /// Combination of the affine nodes.
+    /// Components of the affine nodes.
     pub enabled: Combination,
     /// s of [`translation_step`], below 64.
     pub translation_step: u8,

@@ -47,7 +47,7 @@ pub(crate) struct Settings {
     /// Choice of the components of affine nodes by least J = D + λR [default: first-p]
     #[arg(long, value_parser = named::<CombinationChoice>())]
     choice: Option<CombinationChoice>,
-    /// Combination of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
+    /// Components of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
     #[arg(long, conflicts_with = "choice")]
     combination: Option<Combination>,
     /// Measure of D [default: surrogate]

@@ -115,7 +115,7 @@ pub enum WeightScheme {
 #[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<InfluenceMode>)]
 #[repr(u8)]
 pub enum InfluenceMode {
-    /// The stream is malformed: the paper's manual mode.
+    /// An error: the paper's manual mode.
     #[default]
     Strict,
     /// The nearest nodes of any region move it: the paper's auto mode.
