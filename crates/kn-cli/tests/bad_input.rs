@@ -151,11 +151,11 @@ fn a_part_without_nodes_in_strict_mode() {
 }
 
 #[test]
-fn a_frame_outside_the_grid() {
+fn a_step_too_short_for_the_frames() {
     let scans = Scans::new();
     let message = fails(scans.encode("scan/*.obj", &["--step", "1e-7"]));
-    assert!(message.contains("f_08.obj: frame 0: "), "{message}");
-    assert!(message.contains("outside the grid"), "{message}");
+    assert!(message.starts_with("--step is 0.0000001; "), "{message}");
+    assert!(message.contains("the longest side of the box of all frames is 1."), "{message}");
     let output = kn(scans.encode("scan/*.obj", &["--step=-1"]));
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("a length is a positive number"), "{}", stderr(&output));

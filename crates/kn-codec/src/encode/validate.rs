@@ -113,7 +113,10 @@ fn check_step(step: f64, bounds: &BoundingBox) -> Checked {
         format!("{{0}} is {step}, which is longer than the longest side of {{1}}, {side}")
     })?;
     require(side / step < f64::from(COORDINATE_LIMIT), &pair, || {
-        format!("{{0}} is {step}, of which the longest side of {{1}}, {side}, has 2^20 or more")
+        format!(
+            "{{0}} is {step}; the longest side of {{1}} is {side}, which is 2^20 steps or more: \
+             choose a longer step"
+        )
     })
 }
 
