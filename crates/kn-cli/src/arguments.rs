@@ -81,15 +81,15 @@ impl FromStr for FrameRange {
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |text: &str, open: u64| match text {
             "" => Ok(open),
-            digits => digits.parse().map_err(|_| format!("'{digits}' is no frame number")),
+            digits => digits.parse().map_err(|_| format!("'{digits}' is not a frame number")),
         };
         let range = match text.split_once("..") {
             Some((first, last)) => number(first, 0)?..=number(last, u64::MAX)?,
-            None if text.is_empty() => return Err("no frame is named".into()),
+            None if text.is_empty() => return Err("give frames, such as 5 or 3..7".into()),
             None => number(text, 0)?..=number(text, 0)?,
         };
         if range.is_empty() {
-            return Err(format!("{text} holds no frame: both ends are included"));
+            return Err(format!("{text} has no frame: give the smaller number first"));
         }
         Ok(Self(range))
     }

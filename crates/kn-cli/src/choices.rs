@@ -70,7 +70,7 @@ impl LabelArgument {
 
 /// Reads a number of threads or jobs.
 pub(crate) fn count(text: &str) -> Result<NonZeroU16, String> {
-    text.parse().map_err(|_| format!("it is a number from 1 to {}", u16::MAX))
+    text.parse().map_err(|_| format!("give a number from 1 to {}", u16::MAX))
 }
 
 /// Reads a positive length.

@@ -144,7 +144,7 @@ impl CompareArguments {
     fn check_local(&self) -> Result<()> {
         let draws = self.heatmap.is_some() || self.values.is_some();
         let lacks = draws && self.local == LocalError::Msdm2 && self.is_fast();
-        ensure!(!lacks, "--local msdm2 needs MSDM2: no --fast and no --part");
+        ensure!(!lacks, "--local msdm2 needs MSDM2: leave out --fast and --part");
         Ok(())
     }
 

@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &ConformArguments) -> Result<Outcome> {
         let report = specification::load(&arguments.spec)?.check_stream(&read(file)?);
         return print_report(&report, report.passed, arguments.json);
     }
-    let Some(corpus) = &arguments.corpus else { bail!("no folder and no stream") };
+    let Some(corpus) = &arguments.corpus else { bail!("name a folder of streams") };
     let streams = load_corpus(corpus)?;
     ensure!(!streams.is_empty(), "{}: there is no stream in this folder", corpus.display());
     let limit = Duration::from_secs(u64::from(arguments.timeout));

@@ -31,7 +31,7 @@ impl FromStr for Decimation {
         match (share, text.parse()) {
             (Some(Ok(percent)), _) => Ok(Self::Share(percent / 100.0)),
             (None, Ok(faces)) => Ok(Self::Faces(faces)),
-            _ => Err(FormError("a number of faces is such as 5000, or a share such as 25%")),
+            _ => Err(FormError("give a number of faces such as 5000, or a share such as 25%")),
         }
     }
 }
@@ -213,7 +213,7 @@ impl FromStr for StepChoice {
         match text.parse() {
             _ if is_auto(text) => Ok(Self::Cost),
             Ok(step) => Ok(Self::Fixed(step)),
-            Err(_) => Err(FormError("a motion step is auto or a number of grid steps")),
+            Err(_) => Err(FormError("give auto, or a motion step in grid steps")),
         }
     }
 }
@@ -271,7 +271,7 @@ impl FromStr for NodeChoice {
         match text.parse() {
             _ if is_auto(text) => Ok(Self::default()),
             Ok(count) => Ok(Self::Fixed(count)),
-            Err(_) => Err(FormError("the number of key nodes is auto, or a number such as 150")),
+            Err(_) => Err(FormError("give auto, or a number of key nodes such as 150")),
         }
     }
 }
@@ -340,7 +340,7 @@ impl FromStr for SmoothingChoice {
         match text.parse() {
             _ if is_auto(text) => Ok(Self::Auto),
             Ok(strength) => Ok(Self::Strength(strength)),
-            Err(_) => Err(FormError("smoothing is auto or a number from 0 to 5")),
+            Err(_) => Err(FormError("give auto, or a strength from 0 to 5")),
         }
     }
 }
