@@ -1,5 +1,5 @@
-//! The coded mesh of an I-frame: its header and its sections (chapter 3.5). What the sections hold is
-//! chapter 5's business.
+//! The coded mesh of an I-frame: its header and its sections (chapter 3.5). The content of the
+//! sections is described in chapter 5.
 
 use crate::error::Error;
 use crate::level::Level;
@@ -7,27 +7,27 @@ use crate::reader::BitReader;
 use crate::rule;
 use crate::writer::BitWriter;
 
-/// Vertices and faces that a byte of payload can hold at most.
+/// Largest number of vertices and faces that a byte of payload can hold.
 const DENSITY: u64 = 2048;
 
 /// Counts and flags of a coded mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IntraHeader {
-    /// Positions are coded as ranks in a lattice.
+    /// Whether positions are coded as ranks in a lattice.
     pub has_lattice: bool,
-    /// Every vertex has a label.
+    /// Whether every vertex has a label.
     pub has_labels: bool,
-    /// All vertices.
+    /// Number of all vertices.
     pub vertex_count: u32,
-    /// Vertices that no coded face uses.
+    /// Number of vertices that no coded face uses.
     pub isolated_count: u32,
-    /// All faces.
+    /// Number of all faces.
     pub face_count: u32,
-    /// Faces that repeat a vertex and are listed as they are.
+    /// Number of faces that repeat a vertex. They are listed as they are.
     pub raw_face_count: u32,
-    /// Connected parts of the conquest.
+    /// Number of connected components of the conquest.
     pub component_count: u32,
-    /// Vertices of the conquest that repeat another.
+    /// Number of vertices of the conquest that repeat another.
     pub join_count: u32,
 }
 
@@ -45,7 +45,7 @@ pub struct IntraPayload<'a> {
 }
 
 impl IntraHeader {
-    /// Faces that the conquest brings.
+    /// Number of faces that the conquest codes.
     pub fn conquered_faces(&self) -> u32 {
         self.face_count - self.raw_face_count
     }
@@ -106,7 +106,7 @@ impl<'a> IntraPayload<'a> {
     /// Reads a payload of `size` bytes of a stream of this level. The sections are borrowed.
     ///
     /// # Errors
-    /// Counts that contradict each other or the level, sections that do not fill the payload.
+    /// The counts contradict each other or the level, or the sections do not fill the payload.
     pub fn read(bits: &mut BitReader<'a, '_>, size: u32, level: &Level) -> Result<Self, Error> {
         let start = bits.position();
         let header = IntraHeader::read(bits, size, level)?;

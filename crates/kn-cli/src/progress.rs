@@ -1,4 +1,4 @@
-//! Progress bars: on long work, and only where somebody looks at a terminal.
+//! Progress bars for long work, on terminals only.
 
 use crate::arguments::Global;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

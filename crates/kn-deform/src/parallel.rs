@@ -1,5 +1,6 @@
-//! Chunks of vertices: worked off on rayon's current pool with the feature `parallel`, else one
-//! after the other on the caller's thread. The results are the same bits, since no sum runs over chunks.
+//! Chunks of vertices: processed on rayon's current pool with the feature `parallel`, else one
+//! after the other on the caller's thread. The results are the same bits, since no sum runs over
+//! chunks.
 
 #[cfg(feature = "parallel")]
 pub(crate) use rayon::prelude::*;
