@@ -179,7 +179,7 @@ impl MotionFrame {
         ]
     }
 
-    /// How many changes the frame has, and the table that they are coded with.
+    /// The number of changes in the frame, and their Huffman table.
     fn changes(&self, context: &MotionContext) -> (u32, u8) {
         match (self.translation_mode, context.previous_table) {
             (TranslationMode::SpatioTemporal, Some(table)) => (context.part_count, table),

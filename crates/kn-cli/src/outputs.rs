@@ -55,7 +55,7 @@ impl Outputs {
         self.claim(flag, path)
     }
 
-    /// Likewise a PNG file.
+    /// Checks the path of a PNG file.
     ///
     /// # Errors
     /// As for [`Self::file`], or its name ends otherwise.

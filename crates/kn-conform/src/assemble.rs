@@ -29,7 +29,7 @@ struct Given {
     bits: Option<Vec<bool>>,
 }
 
-/// What changes the stream after it is done.
+/// A change of the stream after it is assembled.
 enum Change {
     Append(Vec<u8>),
     Cut(usize),
@@ -43,11 +43,11 @@ pub(crate) struct TextElements<'c> {
     codes: &'c Codes,
     sink: BitSink,
     unit_start: u64,
-    /// Where `unit_size` goes, if it was left out.
+    /// Place of `unit_size`, if it was left out.
     size_at: Option<usize>,
-    /// Where `intra_size` goes, if it was left out.
+    /// Place of `intra_size`, if it was left out.
     intra_size_at: Option<usize>,
-    /// Where `index_size` goes, if it was left out.
+    /// Place of `index_size`, if it was left out.
     index_size_at: Option<usize>,
     /// Start and number of frames of every GoF so far.
     groups: Vec<(u64, u64)>,

@@ -9,9 +9,9 @@ use crate::Failure;
 pub(crate) struct BitSource<'a> {
     bytes: &'a [u8],
     at: u64,
-    /// Where the structure of the unit that is being read ends.
+    /// The end of the structure in the unit that is being read.
     end: Option<u64>,
-    /// What is wrong where the bytes run out: r[descriptor.end].
+    /// The rule that is broken where the bytes run out: r[descriptor.end].
     at_end: Rule,
 }
 

@@ -108,7 +108,7 @@ impl Trial<'_> {
         }
     }
 
-    /// What the tables say of the example with another value of the element.
+    /// The verdict of the tables on the example with another value of the element.
     fn run(&self, value: &Value) -> Run {
         let mut values = self.values[..self.at].to_vec();
         values.push(value.clone());

@@ -1,4 +1,5 @@
-//! Values that the tables refer to: elements as they were read last, and derived values (chapter 6).
+//! Values that the tables refer to: elements as they were read last, and derived values (chapter
+//! 6).
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -53,7 +54,7 @@ impl Environment {
         }
     }
 
-    /// What a change of a part depends on: 6.6.
+    /// The values that a change of a part depends on: 6.6.
     fn derive_parts(&mut self, needed: bool, labels: &dyn Fn() -> Option<Vec<u8>>) {
         if let Some(table) = self.get("translation_table") {
             self.set("PreviousTable", table);

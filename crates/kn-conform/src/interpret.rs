@@ -50,7 +50,7 @@ pub(crate) struct Interpreter<'i, E> {
     labels: &'i NodeLabels<'i>,
     pub(crate) elements: E,
     pub(crate) environment: Environment,
-    /// Where they are there, ranges are checked.
+    /// The levels; without them ranges are not checked.
     levels: Option<&'i Table>,
     /// The table that is being walked.
     table: &'i str,
@@ -244,7 +244,7 @@ impl<'i, E: Elements> Interpreter<'i, E> {
     }
 }
 
-/// What a variable is kept by.
+/// The key under which a variable is kept.
 fn key<'v>(variable: &'v Variable, counters: &HashMap<&str, u32>) -> Cow<'v, str> {
     if !variable.is_kept_by_index() {
         return Cow::Borrowed(&variable.name);

@@ -18,11 +18,11 @@ pub(crate) struct Range {
 pub(crate) enum Part {
     /// `low … high`, both included; without `high` there is no upper bound.
     Between(Expression, Option<Expression>),
-    /// What cannot be a bound on a number.
+    /// A bound that is not on a number.
     Word(Word),
 }
 
-/// What a range says in a word, because the value is a float or a string of bytes.
+/// A range in a word, for a value that is a float or a string of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Word {
     Finite,

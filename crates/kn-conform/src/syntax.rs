@@ -174,7 +174,7 @@ fn parse_block<'a>(
     Err(wrong("", "a brace is not closed"))
 }
 
-/// What begins the rule of a range.
+/// The text before the rule of a range.
 const RULE: &str = "  r[";
 
 /// A line that ends with a range and its rule; one without anything else ranges over the statement

@@ -3,7 +3,7 @@
 //! measurements of `docs/notes/fit.md`. What a caller decides is in [`crate::FitOptions`] and in
 //! the options of the generator; the encoder decides by numbers of its own.
 
-/// How surfaces are sampled.
+/// Sampling of surfaces.
 pub(crate) mod sampling {
     /// Points sampled on either mesh for all passes but the last.
     pub(crate) const SAMPLES: usize = 3000;
@@ -16,7 +16,7 @@ pub(crate) mod sampling {
     pub(crate) const GRID: f64 = 2047.0;
 }
 
-/// Where a fit starts from (`parts.rs`, `fitter.rs`).
+/// Starts of a fit (`parts.rs`, `fitter.rs`).
 pub(crate) mod starts {
     /// A part is aligned when it has this share of the area on both meshes.
     pub(crate) const LEAST_AREA: f64 = 0.01;
@@ -28,7 +28,7 @@ pub(crate) mod starts {
     pub(crate) const CLEARLY: f64 = 0.75;
 }
 
-/// Which points are partners, and how much they count (`coarse.rs`, `matching.rs`, `fitter.rs`).
+/// Partners of points, and their weights (`coarse.rs`, `matching.rs`, `fitter.rs`).
 pub(crate) mod matches {
     /// Opposite normals count as far apart as this many node spacings times two.
     pub(crate) const NORMAL_SCALE: f64 = 1.5;
@@ -46,7 +46,7 @@ pub(crate) mod matches {
     pub(crate) const LEAST_WIDTH: f64 = 1.0;
 }
 
-/// How a fit goes from stiff and coarse to relaxed and exact (`schedule.rs`).
+/// The schedule of a fit, from stiff and coarse to relaxed and exact (`schedule.rs`).
 pub(crate) mod steps {
     /// α_reg of the first steps: the source moves almost like one body.
     pub(crate) const STIFF: f64 = 3.0;
@@ -67,7 +67,7 @@ pub(crate) mod steps {
     pub(crate) const FULL_STEPS: usize = 2;
 }
 
-/// How the energy is minimised (`energy.rs`, `fitter.rs`, `cholesky.rs`).
+/// Minimisation of the energy (`energy.rs`, `fitter.rs`, `cholesky.rs`).
 pub(crate) mod minimisation {
     /// Pairs of steps and gradient changes that L-BFGS keeps.
     pub(crate) const MEMORY: usize = 6;
@@ -91,13 +91,13 @@ pub(crate) mod minimisation {
     pub(crate) const PIVOT: f64 = 1e-12;
 }
 
-/// What limits the work of measuring (`measures.rs`).
+/// Limits of the work of measuring (`measures.rs`).
 pub(crate) mod measures {
     /// More far points than this are one region without a closer look, which is quadratic.
     pub(crate) const MANY: usize = 4000;
 }
 
-/// Where key nodes are put by farthest points (`place.rs`).
+/// Placement of key nodes by farthest points (`place.rs`).
 pub(crate) mod placement {
     /// A loose piece gets a node of its own when its area is at least this share of the area that
     /// one node has on average. Smaller ones follow the nodes nearest to them.

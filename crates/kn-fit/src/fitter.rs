@@ -22,7 +22,7 @@ use kn_bitstream::params::Combination;
 use kn_deform::NodeTransform;
 use kn_mesh::vec3::Vec3;
 
-/// How hard one minimisation tries.
+/// The effort of one minimisation.
 #[derive(Clone, Copy)]
 struct Effort {
     /// α_orth relative to its last value.
@@ -271,7 +271,7 @@ impl Fitter {
         best.1
     }
 
-    /// How far coarse samples are from the target under these transforms.
+    /// Measures the distance of coarse samples from the target under these transforms.
     fn residual(&mut self, frame: Frame, transforms: &[NodeTransform]) -> f64 {
         self.deformed.update(frame.source, transforms);
         coarse::correspond(&self.group, &self.deformed, frame.target, REACH_WEIGHT).residual()
@@ -347,7 +347,7 @@ impl Fitter {
     }
 }
 
-/// What each node may do.
+/// The combination of each node.
 fn combinations(source: &FitSource, affine: Combination) -> Vec<Combination> {
     source.affine.iter().map(|&a| if a { affine } else { Combination::RT }).collect()
 }

@@ -17,7 +17,7 @@ const CHUNK: usize = 256;
 /// A point and the closest one of the other mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Match {
-    /// Where it is on the source: face and barycentric weights, or a vertex in all three corners.
+    /// The point on the source: face and barycentric weights, or one vertex in all three corners.
     pub(crate) corners: [u32; 3],
     pub(crate) barycentric: Vec3,
     /// The point of the target.

@@ -106,7 +106,7 @@ impl Outcome<'_> {
     }
 }
 
-/// How far a point is from the target.
+/// The distance of a point from the target.
 fn gap(target: &FitTarget, point: Vec3) -> f64 {
     target.tree.closest(point).distance_squared.sqrt()
 }

@@ -11,7 +11,7 @@ use kn_deform::NodeTransform;
 use kn_mesh::vec3::{Vec3, add, cross, distance, dot, norm, scale, sub};
 use nalgebra::{Matrix3, SymmetricEigen};
 
-/// Where a part is and which way it points.
+/// The position and the direction of a part.
 struct Moments {
     area: f64,
     centroid: Vec3,

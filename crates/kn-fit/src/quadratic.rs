@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// A symmetric 3 × 3 matrix: xx, yy, zz, xy, xz, yz.
 pub(crate) type Metric = [f64; 6];
 
-/// Where each entry of a 3 × 3 matrix is in a [`Metric`].
+/// The place of each entry of a 3 × 3 matrix in a [`Metric`].
 const ENTRY: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
 /// The block of two nodes: for each entry of the metric the sum of `W y zᵀ`, by columns: entry

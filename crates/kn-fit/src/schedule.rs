@@ -57,7 +57,7 @@ impl Schedule {
         }
     }
 
-    /// What a difference in reach counts in the next matches.
+    /// The weight of a difference in reach in the next matches.
     pub(crate) fn reach_weight(&self) -> f64 {
         REACH_WEIGHT * REACH_FADES.powi(self.steps as i32)
     }

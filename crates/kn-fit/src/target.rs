@@ -27,7 +27,7 @@ pub struct FitTarget {
     pub(crate) labels: Option<Vec<u8>>,
 }
 
-/// How far a surface is from a target, and how it is turned against it.
+/// The deviation of a surface from a target: its distance, and the angle between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square distance, relative to the diagonal of the target's box.

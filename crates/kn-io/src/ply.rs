@@ -53,7 +53,7 @@ fn vertex_count(header: &Header) -> usize {
     header.elements.get("vertex").map_or(0, |element| element.count)
 }
 
-/// What a vertex property is for.
+/// The use of a vertex property.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Coordinate(usize),
@@ -229,7 +229,7 @@ fn note_properties(header: &Header, parsed: &mut Parsed) {
     }
 }
 
-/// What a property is called in the notes: those that belong together by one name.
+/// The name of a property in the notes. Properties that belong together have one name.
 fn group_of(element: &str, property: &str) -> String {
     match (element, property) {
         ("vertex", "nx" | "ny" | "nz") => "normal components".into(),

@@ -65,7 +65,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Where a value that was just read stands: its line in ascii, else `element`.
+    /// The place of the value that was just read: its line in ascii, else `element`.
     pub(super) fn place(&self, element: Place) -> Place {
         match &self.source {
             Source::Ascii { number, .. } => Place::Line(*number),

@@ -104,7 +104,7 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, MeshError> {
     Ok(bytes)
 }
 
-/// What a format's reader found: the mesh without labels, and what labels may come from.
+/// The result of a format's reader: the mesh without labels, and the sources of labels.
 #[derive(Default)]
 pub(super) struct Parsed {
     pub(super) mesh: Mesh,

@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What is looked for.
+/// The kind of files that are searched.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     /// Files with the extension of a mesh format, all of one format.

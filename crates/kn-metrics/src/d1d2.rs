@@ -14,7 +14,8 @@ pub use grid::Grid;
 /// Points that a thread takes at least.
 const CHUNK: usize = 1024;
 
-/// How much farther than the nearest a point may be to count as equally near.
+/// Largest factor by which a point may be farther than the nearest one and still count as equally
+/// near.
 const EQUAL: f64 = 1.0 + 1e-9;
 
 /// The reason why points cannot be made of a mesh.

@@ -243,7 +243,7 @@ pub(super) fn value_and_gradient(at: DVec3, field: impl Fn(DVec3) -> f64) -> (f6
     (sum / 4.0, gradient / (4.0 * STEP))
 }
 
-/// What changes in a solid's shape from frame to frame.
+/// The parts of a solid's shape that change from frame to frame.
 fn breathe(primitive: &mut Primitive, breath: f64, time: f64) {
     let Shape::Loft(loft) = &mut primitive.shape else { return };
     if primitive.bone == CHEST {

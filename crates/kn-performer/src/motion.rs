@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 /// Share of a foot's two-beat cycle that it stays on the ground.
 const PLANTED: f64 = 0.58;
 
-/// Where the figure is on the ground and which way it faces.
+/// The place of the figure on the ground, and the direction that it faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     /// Metres, y = 0.

@@ -86,7 +86,7 @@ pub(super) struct ArmTarget {
     pub(super) flex: f64,
 }
 
-/// What a motion asks of the figure at one moment.
+/// A stance: the request of a motion to the figure at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stance {
     /// The pelvis; it sinks below the asked height where the feet would not be reached.

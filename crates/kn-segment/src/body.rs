@@ -15,7 +15,7 @@ pub(super) const SHOULDER: [usize; 2] = [5, 9];
 /// Hip of each side; knee, ankle and toes follow it.
 pub(super) const HIP: [usize; 2] = [13, 17];
 
-/// Where the joints are, in template metres times the body's scale.
+/// The places of the joints, in template metres times the body's scale.
 pub(super) type Pose = [V3; JOINTS];
 
 const REST: [[f64; 3]; JOINTS] = [

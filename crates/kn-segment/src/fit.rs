@@ -21,7 +21,7 @@ pub(super) struct Fit {
     pub(super) energy: f64,
 }
 
-/// How a registration runs.
+/// Options of a registration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
     pub(super) steps: usize,
@@ -258,7 +258,7 @@ impl Fit {
         scan + model + self.twist() + if sided { self.contortion() } else { 0.0 }
     }
 
-    /// What it costs when hips face away from the shoulders, or the knees are crossed.
+    /// The cost of hips that face away from the shoulders, and of crossed knees.
     fn twist(&self) -> f64 {
         let across = |a: usize, b: usize| (self.pose[a] - self.pose[b]).try_normalize(1e-9);
         let high = across(SHOULDER[0], SHOULDER[1]);

@@ -1,4 +1,4 @@
-//! Where a skirt or a long shirt ends: above its hem the surface around the thighs is torso.
+//! The hem of a skirt or a long shirt. Above it the surface around the thighs is torso.
 //!
 //! Cloth that hangs around both legs covers the gap between them; two legs do not. The depth to
 //! which the gap is covered, in front and behind, is the hem's, if the cloth also stands off the
@@ -92,7 +92,7 @@ pub(super) fn top(fit: &Fit) -> f64 {
     0.5 * (fit.pose[HIP[0]].y + fit.pose[HIP[1]].y)
 }
 
-/// What surrounds the thighs, level by level.
+/// The surface around the thighs, level by level.
 struct Levels {
     top: f64,
     front: V3,

@@ -120,7 +120,7 @@ fn part_costs(surface: &Surface, posed: &[Posed; CAPSULES], v: usize) -> (Costs,
     (costs, closest.1)
 }
 
-/// How badly a capsule explains a surface point, metres.
+/// The misfit of a capsule at a surface point, metres.
 pub(super) fn distance(capsule: &Posed, point: &super::V3, normal: &super::V3) -> f64 {
     let (_, inner) = capsule.medial(point, normal);
     SURFACE * capsule.outside(point).max(-0.05) + (1.0 - SURFACE) * inner.norm()

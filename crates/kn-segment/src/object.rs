@@ -13,11 +13,11 @@ const BEYOND: f64 = 0.05;
 /// Smallest area of such surface, square metres: more than spread fingers or a cuff have.
 const LEAST: f64 = 0.03;
 
-/// What is held.
+/// A held object.
 pub(super) enum Object {
     /// A ball: centre and radius.
     Ball(V3, f64),
-    /// Anything else: whatever is far from the hands.
+    /// Any other shape: all surface that is far from the hands.
     Shapeless,
 }
 

@@ -72,13 +72,13 @@ pub struct Segmenter {
     past: Option<Past>,
 }
 
-/// What a frame leaves to the next.
+/// The state that a frame leaves to the next one.
 #[derive(Clone, Debug)]
 struct Past {
     /// Template metres per world unit, fixed by the first frame.
     unit: f64,
     fit: Fit,
-    /// Where the joints were a frame earlier.
+    /// The joints one frame earlier.
     before: Pose,
     /// Evidence so far that left is left.
     sides: f64,
@@ -94,7 +94,7 @@ struct Past {
 impl Past {
     /// Whether a leg is so badly explained that tracking has probably gone wrong.
     fn doubtful(&self) -> bool {
-        /// So many frames between searches bound their cost.
+        /// Number of frames between searches, which bounds their cost.
         const PATIENCE: u32 = 8;
         const DOUBTFUL: f32 = 0.3;
         let legs = LOWER_LEGS.map(|part| self.confidence[part.index()]);
@@ -182,7 +182,7 @@ impl Segmenter {
 fn decide_sides(fit: &mut Fit, samples: &Samples, past: Option<&Past>) -> f64 {
     /// Evidence of about one clear frame; less does not overturn what was said before.
     const AGAINST: f64 = -3.0;
-    /// What a frame's evidence is still worth in the next.
+    /// The share of a frame's evidence that remains in the next one.
     const FADING: f64 = 0.9;
     let sides = past.map_or(0.0, |past| FADING * past.sides) + side::evidence(fit, samples);
     if sides < AGAINST {
@@ -206,7 +206,7 @@ fn doubts(lost: bool, sides: f64) -> Vec<SegmentWarning> {
     lost.into_iter().chain(unclear).collect()
 }
 
-/// How a frame's body came about.
+/// The way in which a frame's body was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     /// It continues the last frame's.
@@ -310,7 +310,7 @@ fn label(surface: &Surface, fit: &Fit, hem: &Hem, past: Option<&Past>) -> (Vec<u
     draft.settle(surface)
 }
 
-/// What cannot be told from the torso joins it: lower arms and hands of low confidence.
+/// Joins lower arms and hands of low confidence to the torso.
 fn join(labels: &mut [u8], confidence: &mut [f32; LABELS], warnings: &mut Vec<SegmentWarning>) {
     const DOUBTFUL: f32 = 0.2;
     for part in [2u8, 3, 5, 6] {

@@ -12,11 +12,11 @@ pub(crate) struct Sheet {
     pub(crate) columns: Vec<String>,
     /// Title and pictures of each row.
     pub(crate) rows: Vec<(String, Vec<Canvas>)>,
-    /// What the colours mean.
+    /// Meaning of the colours.
     pub(crate) legend: Option<Legend>,
 }
 
-/// What colours mean.
+/// Meaning of colours.
 pub(crate) enum Legend {
     /// Start, middle and end of the error map's scale.
     Scale([String; 3]),

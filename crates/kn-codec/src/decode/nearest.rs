@@ -7,7 +7,7 @@ use kn_mesh::adjacency::Rows;
 pub(crate) struct Slabs<'a> {
     positions: &'a [[i32; 3]],
     axis: usize,
-    /// Where the first slab begins.
+    /// Lower end of the first slab.
     low: i32,
     thickness: i64,
     /// A row of vertices for each slab, by rising index.

@@ -65,7 +65,8 @@ impl Sites<'_> {
         label.and_then(BodyPart::from_label).unwrap_or(BodyPart::Other)
     }
 
-    /// Where a component's spiral begins, and what the start is predicted from.
+    /// Finds the node where the spiral of a component begins, and the node that it is predicted
+    /// from.
     fn start(&self, part: BodyPart, component: &[u16], path: &[Visit]) -> Visit {
         let references = self.references(part, path);
         if references.is_empty() {

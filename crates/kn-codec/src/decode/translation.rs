@@ -13,7 +13,7 @@ pub(crate) struct Translations {
     /// `#N × 3`, in reference units, each below 2^20 grid steps in magnitude; undefined before the
     /// first P-frame.
     decoded: Vec<[i64; 3]>,
-    /// How the last P-frame was coded; `None` before the first of the GoF.
+    /// Quantiser and table of the last P-frame; `None` before the first of the GoF.
     dictionary: Option<Dictionary>,
     /// `#N`, place of the node's label among the labels that nodes have.
     parts: Vec<u8>,
@@ -51,7 +51,7 @@ impl Translations {
         self.part_count
     }
 
-    /// How the last P-frame of the GoF was coded.
+    /// Quantiser and table of the GoF's last P-frame.
     pub(crate) fn dictionary(&self) -> Option<Dictionary> {
         self.dictionary
     }

@@ -10,7 +10,7 @@ use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
 #[error("{0}")]
 pub struct FormError(&'static str);
 
-/// How far I-frames are decimated; P-frames then deform the coarser mesh.
+/// The decimation of I-frames. P-frames then deform the coarser mesh.
 ///
 /// Text forms of the first two are `5000` and `25%`.
 #[derive(Clone, Copy, Debug, PartialEq)]

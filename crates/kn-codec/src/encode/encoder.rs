@@ -25,7 +25,7 @@ pub struct Encoder<W: Write> {
     labelled: Option<bool>,
     /// Frames of the GoF that is being collected.
     pending: Vec<Mesh>,
-    /// What the segmentation found in each of them.
+    /// Result of the segmentation of each of them.
     parts: Vec<Option<Segmentation>>,
     frame: u64,
     units: Vec<u8>,

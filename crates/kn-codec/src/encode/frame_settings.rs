@@ -24,7 +24,7 @@ pub(crate) struct FrameSettings {
     pub(crate) quantisers: Quantisers,
 }
 
-/// How the quantiser steps of a P-frame are chosen, as the settings of the same names say.
+/// The choices of the quantiser steps of a P-frame, from the settings of the same names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quantisers {
     pub(crate) motion: StepChoice,

@@ -37,7 +37,7 @@ pub(crate) struct GroupEncoder {
     reconstruction: Reconstruction,
     intra_decoder: IntraDecoder,
     motion: MotionEncoder,
-    /// Why the last GoF ended early.
+    /// The reason why the last GoF ended early.
     reason: Option<FitFailure>,
 }
 
@@ -344,7 +344,7 @@ struct FrameTask<'a> {
 struct Pass {
     units: Vec<u8>,
     reports: Vec<PredictedReport>,
-    /// Why it ends early.
+    /// The reason why the pass ends early.
     reason: Option<FitFailure>,
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct MotionEncoder {
     earlier: EarlierFrames,
     /// The combination of the GoF's frames, where it is known.
     combination: Option<Combination>,
-    /// Where the search for this frame's steps begins.
+    /// The steps with which the search begins in this frame.
     steps: Option<Steps>,
     /// `#V × 3`, the reference in grid steps.
     reference: Vec<[f64; 3]>,
@@ -40,7 +40,7 @@ pub(crate) struct MotionEncoder {
 pub(crate) struct CodedMotion {
     pub(crate) motion: MotionFrame,
     pub(crate) combination: Combination,
-    /// Where anything was chosen by cost.
+    /// The cost; `None` where nothing was chosen by cost.
     pub(crate) cost: Option<CostReport>,
     /// RMS distance of the fit, grid steps.
     pub(crate) fit_rms: f64,

@@ -152,7 +152,7 @@ impl<'a> NodeChooser<'a> {
         Ok(gains.nodes.iter().map(|&gain| gain > price).collect())
     }
 
-    /// How the generator fits.
+    /// Options of the generator's fits.
     fn fit_options(&self) -> FitOptions {
         match self.config.motion.combination {
             CombinationChoice::Fixed(combination) => {
@@ -177,7 +177,7 @@ impl<'a> NodeChooser<'a> {
         }
     }
 
-    /// How many frames ahead of the I-frame the key frame is.
+    /// Number of frames from the I-frame to the key frame.
     fn key_frame(&self, scans: &Scans) -> usize {
         (self.tuning.nodes.key_frame * scans.len() as f64).ceil() as usize
     }

@@ -53,7 +53,7 @@ pub(crate) struct StepRange {
     pub(crate) quantisers: Quantisers,
     /// The steps where the search begins in every GoF.
     pub(crate) usual: Steps,
-    /// How many indices a step may be from them.
+    /// Largest distance of a step from them, as a number of indices.
     pub(crate) farthest: u8,
 }
 

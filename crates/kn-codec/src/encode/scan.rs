@@ -21,7 +21,7 @@ pub(crate) struct Scan {
 #[derive(Clone, Copy)]
 pub(crate) struct ScanOptions {
     pub(crate) grid: Grid,
-    /// What D is measured by, where it is.
+    /// The measure of D; `None` where nothing is chosen by cost.
     pub(crate) measure: Option<DistortionMeasure>,
     pub(crate) tuning: SurrogateTuning,
 }
@@ -63,7 +63,7 @@ impl Scan {
         })
     }
 
-    /// What differs between candidates as MSDM2 does, up to a constant.
+    /// The surrogate of MSDM2, which differs from it by a constant for all candidates of a frame.
     fn surrogate(&self, positions: &[[i32; 3]], unit: f64, faces: &[[u32; 3]]) -> f64 {
         let stride = (faces.len() / self.tuning.samples).max(1);
         let sample = |face: &[u32; 3]| -> ([f64; 3], [f64; 3]) {

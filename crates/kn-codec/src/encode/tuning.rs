@@ -22,7 +22,7 @@ pub(crate) struct Tuning {
     pub(crate) decimation: DecimationTuning,
 }
 
-/// What the settings of the rate begin with.
+/// Default settings of the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RateTuning {
     /// λ where the settings name none, in D per byte. J is flat around it (`docs/notes/choice.md`).
@@ -106,9 +106,10 @@ pub(crate) struct StepTuning {
     /// Scales and shears are quantised so many times more coarsely than translations: neighbours
     /// average their errors out.
     pub(crate) stretch: f64,
-    /// How many indices a step may go from where the search begins: three octaves.
+    /// Largest distance of a step from the start of the search, as a number of indices: three
+    /// octaves.
     pub(crate) farthest: u8,
-    /// How many indices a step changes at a time: half an octave.
+    /// Number of indices that a step changes at a time: half an octave.
     pub(crate) stride: i8,
     /// Number of rounds over the components.
     pub(crate) rounds: usize,
@@ -142,7 +143,8 @@ pub(crate) struct DecimationTuning {
     /// Cost of crossing a border between labels: as much as an error of this share of the box's
     /// longest side. Borders then move about as far as the surface does at a quarter of the faces.
     pub(crate) label_weight: f32,
-    /// How often a bound on the error is tightened until the measured error keeps it.
+    /// Largest number of times that the bound on the error is lowered until the measured error is
+    /// within the limit.
     pub(crate) attempts: usize,
 }
 

@@ -56,7 +56,7 @@ pub(super) struct Expected {
 }
 
 impl Spread {
-    /// What to expect of a vertex with `prediction` and `valence`.
+    /// The expected size of the residual of a vertex with `prediction` and `valence`.
     #[inline]
     pub(super) fn expect(&self, prediction: &Prediction, valence: u8) -> Expected {
         let class = (prediction.support.clamp(1, 4) - 1, valence.clamp(4, 8) as usize - 4);

@@ -30,7 +30,7 @@ pub(super) struct Traversal {
     pub(super) known: Known,
     /// Vertices by support, first come first served; entries may be out of date.
     queues: [Queue; RANKS],
-    /// Where to look for the next component's seed.
+    /// The first vertex that may be the seed of the next component.
     seed_vertex: u32,
 }
 

@@ -6,7 +6,7 @@ use kn_bitstream::rule::{self, Rule};
 
 const NONE: usize = usize::MAX;
 
-/// What the conquest knows of a vertex.
+/// The state of a vertex in the conquest.
 #[derive(Clone, Debug)]
 pub(super) struct Vertex {
     pub(super) valence: i64,

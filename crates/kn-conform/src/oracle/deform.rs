@@ -1,6 +1,6 @@
 //! Chapter 8 as it is written, in the same order of operations, and not made for speed.
 
-/// What the sequence header says about influence.
+/// The parameters of influence in the sequence header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Settings {
     pub(crate) nodes_per_vertex: usize,

@@ -5,7 +5,7 @@ use kn_bitstream::rule::{self, Rule};
 
 const ORDER: Rule = rule::FILE_ORDER;
 
-/// What came last, of units that are not skippable.
+/// The last unit, of those that are not skippable.
 #[derive(Clone, Copy, Default, PartialEq)]
 enum Stage {
     #[default]
@@ -28,7 +28,7 @@ pub(super) struct Framing {
     /// Entries of the index.
     group_bytes: Vec<u64>,
     group_frames: Vec<u64>,
-    /// Where the index unit begins.
+    /// The first byte of the index unit.
     index_at: u64,
 }
 

@@ -24,7 +24,7 @@ struct ErrorModels {
     third: [[Model; 2]; 23],
 }
 
-/// What is known of a vertex of the conquest.
+/// The state of a vertex of the conquest.
 #[derive(Clone, Default)]
 struct State {
     position: Option<[i64; 3]>,

@@ -56,7 +56,7 @@ impl<'p> Payload<'p> {
     }
 }
 
-/// What geometry and labels walk over.
+/// The connectivity that the decoding of positions and labels walks over.
 pub(super) struct Walk<'c> {
     pub(super) conquest: &'c Conquest,
     /// Half-edges around each vertex that is no dummy.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::deform::Slots;
 
-/// What the path follows from.
+/// The data that determine the path.
 pub(crate) struct Nodes<'n> {
     /// On the I-frame, in grid steps.
     pub(crate) positions: &'n [[i64; 3]],

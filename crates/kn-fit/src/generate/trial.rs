@@ -14,7 +14,7 @@ use kn_metrics::{
     DEFAULT_LEVELS, Interpolation, Msdm2Error, Msdm2Surface, TriangleTree, msdm2_one_way,
 };
 
-/// What all trials of a GoF share.
+/// The data that all trials of a GoF share.
 pub(super) struct Setting<'a> {
     source: &'a NodeSource<'a>,
     key: &'a FitTarget,
@@ -36,7 +36,7 @@ impl<'a> Setting<'a> {
         Self { area: areas.iter().sum(), areas, source, key, options, original: None }
     }
 
-    /// How many regions have a vertex.
+    /// Number of regions that have a vertex.
     pub(super) fn regions(&self) -> usize {
         let mut present = [false; 256];
         self.source.regions.unwrap_or(&[0]).iter().for_each(|&r| present[usize::from(r)] = true);
@@ -81,7 +81,7 @@ impl<'a> Trial<'a> {
         Self::fit(setting, place_farthest(positions, faces, regions, Some(affine), count)?, None)
     }
 
-    /// So many nodes are a share of all, at least one.
+    /// The number of nodes that make a share of all, at least one.
     pub(super) fn share(&self, share: f64) -> usize {
         (share * self.nodes.len() as f64).ceil() as usize
     }
@@ -160,7 +160,7 @@ impl<'a> Trial<'a> {
         self.errors.iter().zip(areas).map(|(error, share)| share * error).sum::<f64>() / area
     }
 
-    /// How many nodes are worth `price`, a share of the mean squared distance.
+    /// Number of nodes that are worth `price`, a share of the mean squared distance.
     pub(super) fn paying(&self, price: f64) -> usize {
         let price = price * self.squared_error();
         self.removal_costs(0.0).iter().filter(|&&cost| cost > price).count().max(1)

@@ -17,7 +17,7 @@ pub(super) struct Document {
 /// without data of their own cost a file nothing.
 const MAX_NUMBERS: u64 = 1 << 28;
 
-/// How many numbers the accessors opened so far hold.
+/// Count of the numbers in the accessors that are open so far.
 #[derive(Default)]
 pub(super) struct Budget {
     spent: u64,
@@ -37,7 +37,7 @@ impl Budget {
 /// An array of vectors with `width` components each, in range of its buffers.
 #[derive(Clone, Debug)]
 pub(super) struct Accessor {
-    /// Where the elements are; `None` where all are zero but the sparse ones.
+    /// The window of the elements; `None` where all are zero except the sparse ones.
     elements: Option<Window>,
     pub(super) count: usize,
     component: ComponentType,

@@ -24,7 +24,7 @@ pub(super) struct Animation {
     end: f64,
 }
 
-/// What one property of one node does over time.
+/// One property of one node as a function of time.
 #[derive(Debug)]
 struct Channel {
     node: usize,

@@ -49,7 +49,7 @@ pub(super) fn open(bytes: Vec<u8>, folder: &Path) -> Result<(Root, Vec<Buffer>),
     Ok((root, buffers))
 }
 
-/// Where a GLB file has its JSON and, if there is one, its binary chunk.
+/// Finds the JSON chunk of a GLB file and, if there is one, its binary chunk.
 fn split_glb(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), Fault> {
     let truncated = |what: &str| Fault::from(MeshErrorKind::Truncated(format!("in its {what}")));
     let word = |at: usize| {

@@ -29,7 +29,7 @@ impl<T> Rows<T> {
         &mut self.values[range]
     }
 
-    /// Where the values of a row are in [`values`](Self::values).
+    /// The range of a row in [`values`](Self::values).
     #[inline]
     pub fn range(&self, row: usize) -> std::ops::Range<usize> {
         self.offsets[row] as usize..self.offsets[row + 1] as usize
@@ -74,14 +74,14 @@ impl<T: Copy + Default> Rows<T> {
         rows
     }
 
-    /// Replaces the rows by `(row, value)` pairs, sorted by counting. The pairs keep their order inside a
-    /// row; the buffers are used again.
+    /// Replaces the rows by `(row, value)` pairs, sorted by counting. The pairs keep their order
+    /// inside a row; the buffers are used again.
     ///
     /// # Panics
     /// Where a row is not below `row_count`.
     pub fn fill(&mut self, row_count: usize, pairs: impl Iterator<Item = (u32, T)> + Clone) {
-        // Two places further on is the count of a row. Summed up, one place further on is its start;
-        // this moves on with every value and ends where the next row starts.
+        // Two places further on is the count of a row. Summed up, one place further on is its
+        // start; this moves on with every value and ends where the next row starts.
         let offsets = &mut self.offsets;
         offsets.clear();
         offsets.resize(row_count + 2, 0);

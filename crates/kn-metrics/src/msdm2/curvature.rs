@@ -135,7 +135,7 @@ impl Scratch {
     }
 }
 
-/// What the curvature of a vertex depends on.
+/// The data that the curvature of a vertex depends on.
 struct Kernel<'a> {
     topology: &'a Topology,
     rings: &'a [Ring],

@@ -35,7 +35,7 @@ pub(super) struct Direction<'a> {
     records: Vec<Vec<Record>>,
 }
 
-/// What a level knows of a vertex of the distorted mesh.
+/// The data of a vertex of the distorted mesh at one level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Record {
     /// Its position and its own curvature.

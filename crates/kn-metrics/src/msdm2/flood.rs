@@ -62,7 +62,7 @@ pub(super) struct Flood {
     reached: Vec<List<Reached>>,
 }
 
-/// What a flood runs over.
+/// The mesh that a flood runs over.
 #[derive(Clone, Copy)]
 pub(super) struct Graph<'a> {
     pub(super) topology: &'a Topology,
@@ -237,9 +237,9 @@ impl Spheres {
 pub(super) const SMALLEST_PART: f64 = 1e-16;
 
 /// Which parts of edges lie inside a sphere that holds their starts: above 1 where it holds the
-/// whole edge. With the edge `e` that starts at `o` from the centre: a = e², b = o·e, and c = o² − r²,
-/// which is not positive, so that the root is real. Below [`SMALLEST_PART`] or not a number for an
-/// edge without length and for one that starts on the sphere: see [`clip_special`].
+/// whole edge. With the edge `e` that starts at `o` from the centre: a = e², b = o·e, and c = o² −
+/// r², which is not positive, so that the root is real. Below [`SMALLEST_PART`] or not a number for
+/// an edge without length and for one that starts on the sphere: see [`clip_special`].
 #[inline(always)]
 pub(super) fn parts<M: Machine>(a: Quad<M>, b: Quad<M>, c: Quad<M>) -> Quad<M> {
     ((b * b - a * c).sqrt() - b) / a

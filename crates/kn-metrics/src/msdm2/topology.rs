@@ -5,7 +5,8 @@ use crate::lanes::lanes;
 use kn_mesh::adjacency::{EdgeTable, Rows, half_edge_ends};
 use kn_mesh::vec3::{Vec3, cross, dot, norm, norm_squared, scale, sub};
 
-/// The upper triangle of a symmetric matrix, filled up with zeros: xx, xy, xz, yy, and yz, zz, 0, 0.
+/// The upper triangle of a symmetric matrix, filled up with zeros: xx, xy, xz, yy, and yz, zz, 0,
+/// 0.
 pub(super) type Symmetric = [[f64; 4]; 2];
 
 /// An edge as one of its vertices sees it.
@@ -33,7 +34,7 @@ pub(super) struct Block {
     pub(super) edges: [u32; LANES],
 }
 
-/// Who is next to whom.
+/// The neighbours of all vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
     /// From world units to those of the blocks, in which the box's longest side is 1.

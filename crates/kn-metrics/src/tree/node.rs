@@ -1,4 +1,5 @@
-//! What the traversal reads: nodes of eight boxes and leaves of four triangles, in binary32.
+//! The nodes of the BVH, with eight boxes each, and its leaves, with four triangles each, in
+//! binary32.
 //!
 //! Everything here is a lower bound of the distance. The four lanes of a vector are children or
 //! triangles. Coordinates are normalised: the mesh fills −1..=1 along its longest side.

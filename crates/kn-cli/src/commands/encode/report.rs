@@ -53,7 +53,7 @@ struct CodedEntry {
     reason: Option<String>,
 }
 
-/// What the segmentation found.
+/// Result of the segmentation.
 #[derive(Debug, Serialize)]
 struct PartsEntry {
     person: bool,

@@ -67,7 +67,7 @@ impl Quality {
         line.iter().map(is_better).collect()
     }
 
-    /// What enters the Bjøntegaard delta: the larger, the better.
+    /// The value that enters the Bjøntegaard delta. Larger is better.
     fn increasing(self, value: f64) -> f64 {
         if self.is_larger_better() { value } else { 1.0 - value }
     }
@@ -133,7 +133,7 @@ impl Curve {
         line
     }
 
-    /// What a Bjøntegaard delta takes.
+    /// The point as a Bjøntegaard delta takes it.
     pub(super) fn rate_points(&self, quality: Quality, share: Share) -> Vec<RatePoint> {
         let point = |(rate, value, _)| RatePoint { rate, quality: quality.increasing(value) };
         self.line(quality, share).into_iter().map(point).collect()

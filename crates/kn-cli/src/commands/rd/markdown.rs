@@ -6,7 +6,7 @@ use super::deltas::{Delta, Found};
 use super::results::{CellRow, Share, Study};
 use std::fmt::Write;
 
-/// What is compared in the tables of deltas: the rest is in results.json.
+/// The metrics in the tables of deltas. The other metrics are in results.json.
 const QUALITIES: [Quality; 2] = [Quality::Msdm2, Quality::P2s];
 
 /// The whole file.

@@ -204,7 +204,7 @@ impl Look {
         Ok(look)
     }
 
-    /// What is known of the frames alone.
+    /// Facts about the frames alone.
     fn info(&self) -> SequenceInfo {
         let count = self.files.len();
         SequenceInfo {

@@ -20,7 +20,7 @@ pub(super) struct Columns {
     d2_psnr: Option<String>,
 }
 
-/// Where the columns are.
+/// The places of the columns.
 struct Places {
     sequence: usize,
     codec: usize,

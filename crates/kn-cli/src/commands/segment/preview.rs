@@ -7,7 +7,7 @@ use kn_bitstream::params::UpAxis;
 use kn_bitstream::params::{BodyPart, Named};
 use kn_mesh::{BoundingBox, Mesh};
 
-/// How many frames are shown.
+/// Number of frames in the picture.
 const COLUMNS: usize = 8;
 /// From where, degrees about the up axis.
 const SIDES: [f32; 2] = [0.0, 180.0];

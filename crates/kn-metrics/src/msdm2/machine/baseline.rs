@@ -1,4 +1,4 @@
-//! What every processor of the target can do.
+//! Operations that every processor of the target has.
 
 use glam::Vec4;
 

@@ -31,7 +31,7 @@ pub(super) fn marker(look: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// How a line is drawn whose numbers come from a table.
+/// Style of a line whose numbers come from a table.
 pub(super) fn dashes(foreign: bool) -> &'static str {
     if foreign { " stroke-dasharray=\"5 3\"" } else { "" }
 }
