@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     if folders.is_empty() {
         folders.extend(["dancer", "liam", "tshirt_turn"].into_iter().filter_map(kn_testdata::data));
     }
-    println!("group | farthest: P2S, MSDM2, bytes | generated: P2S, MSDM2, bytes | gain of P2S");
+    println!("GoF | farthest: P2S, MSDM2, bytes | generated: P2S, MSDM2, bytes | gain of P2S");
     for folder in folders {
         let name = folder.display().to_string();
         let (frames, bounds) = read(folder)?;

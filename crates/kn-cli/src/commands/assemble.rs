@@ -14,8 +14,8 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 A text has lines `name = values` in the order of the syntax tables; sizes, CRCs and the index may
-be left out. The streams in spec/conformance have such texts beside them. The tables are those of
-the folder spec/ of kn's sources, which has to be here or named by --spec.
+be left out. The streams in spec/conformance have such texts beside them. The tables are read from
+the folder spec/ of kn's sources: run the command there, or name the folder with --spec.
 
 Examples:
   kn assemble x.txt -o x.knm

@@ -19,12 +19,12 @@ use std::time::Duration;
 #[command(after_help = "\
 A decoder conforms if for every stream in core/ and uncommon/ it prints the expected line per frame
 (`index kind #V #F sha256`) and exits with 0, and for every stream in faulty/ it exits with another
-code. Without --decoder it is the decoder of this program. FOLDER is spec/conformance of kn's
+code. Without --decoder the decoder of this program is checked. FOLDER is spec/conformance of kn's
 sources.
 
-A stream obeys the specification if this decoder, the syntax tables and a literal reading of the
-text take it and agree. They read the folder spec/ of kn's sources, which has to be here or named by
---spec; the last one needs time and memory.
+A stream obeys the specification if this decoder, the syntax tables and a literal decoder accept it
+and agree. They read the folder spec/ of kn's sources: run the command there, or name the folder
+with --spec. The literal decoder needs time and memory.
 
 Exit codes: 0 it conforms, 1 it does not, 2 an error.
 

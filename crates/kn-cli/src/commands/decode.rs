@@ -19,9 +19,9 @@ use std::path::PathBuf;
 /// Decode a .knm file into meshes
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Files are called like the encoder's input where the stream knows those names, else frame_0000 and
-so on. Each frame is checked against the digest that it carries. The files appear together at the
-end: after an error none is there. Files that are in the folder already are kept and named in an
+Files have the names of the encoder's input where the stream has these names, else frame_0000 and
+so on. Each frame is checked against the digest that it carries. All files are put in place at the
+end: after an error there are none. Files that are in the folder already are kept and named in an
 error, unless --overwrite is given.
 
 Examples:
@@ -29,7 +29,7 @@ Examples:
   kn decode dance.knm -o out/ --format ply --frames 3..7
   kn decode dance.knm -o dance.glb
   kn decode half.knm -o half/ --partial
-  curl -s https://example.org/dance.knm | kn decode - -o out/")]
+  cat dance.knm | kn decode - -o out/")]
 pub(crate) struct DecodeArguments {
     /// The stream; - is standard input
     #[arg(value_name = "FILE")]

@@ -23,8 +23,8 @@ use std::time::Instant;
 /// Show the whole way: generate a performer, encode, decode, verify, measure
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The performer is a synthetic clothed dancer that is polygonised anew in every frame, like a scan.
-Writes demo.knm, demo.png (scans, decoded frames and their error) and demo.json.
+The performer is a synthetic clothed dancer who is meshed anew in every frame, like a scan.
+The command writes demo.knm, demo.png (scans, decoded frames and their error) and demo.json.
 
 Exit codes: 0 the stream verifies, 1 it does not, 2 an error.
 

@@ -34,10 +34,10 @@ use vertex_maps::VertexMaps;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 All frames are read once before encoding begins, so that one grid fits them all and a broken scan
-is found before any work is done. Seams are welded; degenerate and duplicate faces are dropped, and
-vertices that no face uses unless --lossless is given; the sum is printed, --report has it frame by
-frame. Where the motion does not explain a frame, a new
-group begins there, and the reason is printed.
+is found before any work is done. Seams are welded. Degenerate and duplicate faces are dropped, and
+so are vertices that no face uses, unless --lossless is given. The sum is printed; --report has it
+for each frame. Where the motion does not explain a frame, a new GoF begins there, and the reason is
+printed.
 
 Examples:
   kn encode 'scan/*.obj' -o dance.knm
@@ -69,7 +69,7 @@ pub(crate) struct EncodeArguments {
     /// where there is one, else auto]
     #[arg(long, value_name = "GLOB|auto|colours|none")]
     labels: Option<LabelArgument>,
-    /// Unit of the coordinates; carried, not interpreted
+    /// Unit of the coordinates; the stream carries it, the codec does not use it
     #[arg(long, value_parser = named::<UnitOfLength>())]
     #[arg(default_value_t = UnitOfLength::Unspecified)]
     unit: UnitOfLength,
@@ -83,7 +83,7 @@ pub(crate) struct EncodeArguments {
     /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line; - is none
     #[arg(long, value_name = "FOLDER")]
     vertex_maps: Option<PathBuf>,
-    /// Write what happened to every frame to this file, as JSON
+    /// Write a report of every frame to this file, as JSON
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }

@@ -163,7 +163,7 @@ fn write_header(out: &mut dyn Write, header: &SequenceHeader, info: &StreamInfo)
     )?;
     writeln!(
         out,
-        "groups of up to {}; Q = {}, weights {}, influence {}, labels {labels}; level {}",
+        "GoFs of up to {}; Q = {}, weights {}, influence {}, labels {labels}; level {}",
         counted(info.group_length.into(), "frame"),
         info.nodes_per_vertex,
         info.weights,

@@ -40,16 +40,16 @@ use store::Store;
 The configuration is TOML; docs/rd/example.toml in the repository is one with every key. A stream
 is encoded, decoded and measured for every sequence, preset and rate point; settings are the
 preset's, then those of the preset's entry, of the sequence and of the rate point, under the names
-of the flags of kn encode. Curves of other codecs come from CSV tables. The folder then holds
+of the flags of kn encode. Curves of other codecs come from CSV tables. The command writes
 
   report.html             curves, Bjontegaard deltas, pictures, tables; needs nothing beside it
   report.md               the tables as Markdown
   results.csv             a row for each stream; can be a table of another configuration
   results.json            everything
-  cells/ pictures/        streams with their measurements; what is there is not done again
+  cells/ pictures/        streams with their measurements; those that exist are not made again
 
-Results are kept by content: frames, settings and version decide. Another build of kn runs them
-again unless --keep is given. After an interruption the same command goes on.
+Results are kept by content: frames, settings and version. Another build of kn makes them again,
+unless --keep is given. After an interruption the same command continues.
 
 Defined results: a codec without overlap with the anchor gets a reason instead of a delta; a delta
 over less than three quarters of the range is marked; a sequence that is shorter than the picture's

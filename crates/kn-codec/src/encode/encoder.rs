@@ -133,7 +133,7 @@ impl<W: Write> Encoder<W> {
             groups.encode(&self.pending, first_index, &mut self.units, &mut self.reports)?;
         let bytes = u32::try_from(self.units.len() - start).map_err(|_| EncodeError::Input {
             frame: first_index,
-            reason: "the group of frames is larger than 4 GiB".into(),
+            reason: "the GoF is larger than 4 GiB".into(),
         })?;
         self.index.groups.push(IndexGroup { bytes, frames: coded as u8 });
         self.pending.drain(..coded);
