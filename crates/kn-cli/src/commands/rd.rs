@@ -88,6 +88,7 @@ pub(crate) fn run(arguments: &RdArguments, global: &Global) -> Result<Outcome> {
     let config = Config::read(&arguments.config)?;
     let foreign = foreign_curves(&config)?;
     check_anchors(&config, &foreign)?;
+    check_cells(&config)?;
     let output = arguments.output();
     let inputs = config.tables.iter().map(|table| config.path(&table.path));
     check_reports(&output, &arguments.config, inputs.collect::<Result<_>>()?)?;
@@ -145,6 +146,18 @@ fn foreign_curves(config: &Config) -> Result<Vec<Curve>> {
         );
     }
     Ok(curves)
+}
+
+/// Settings of all cells, before any sequence is opened.
+fn check_cells(config: &Config) -> Result<()> {
+    for entry in &config.sequences {
+        for codec in &config.codecs {
+            for rate in &config.rates {
+                cell::encoder_config(entry, codec, rate)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn check_anchors(config: &Config, foreign: &[Curve]) -> Result<()> {

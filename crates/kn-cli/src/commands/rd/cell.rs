@@ -15,6 +15,22 @@ use kn_metrics::{CompareOptions, Surface, compare_surfaces};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
+/// The settings of a cell before its sequence is opened, checked.
+///
+/// # Errors
+/// Settings that contradict each other, named by their flags and by the cell.
+pub(super) fn encoder_config(
+    entry: &SequenceEntry,
+    codec: &CodecEntry,
+    rate: &RateEntry,
+) -> Result<EncoderConfig> {
+    let mut config = codec.preset()?.config();
+    Settings::from_table(&merged(codec, entry, rate))?.apply(&mut config);
+    check_settings(&config)
+        .with_context(|| format!("{}, {}, {}", entry.name, codec.name, rate.name))?;
+    Ok(config)
+}
+
 /// Changes when the same cell would be measured or written differently.
 const FORMAT: u32 = 1;
 
@@ -38,14 +54,10 @@ impl<'p> Cell<'p> {
         rate: &'p RateEntry,
         metrics: CompareOptions,
     ) -> Result<Self> {
-        let mut config = codec
-            .preset()?
-            .config()
+        let mut config = encoder_config(entry, codec, rate)?
             .with_frame_rate(sequence.rate)
             .with_up_axis(sequence.up_axis)
             .with_names(sequence.names.clone());
-        let settings = Settings::from_table(&merged(codec, entry, rate))?;
-        settings.apply(&mut config);
         config.sequence.grid = config.sequence.grid.with_bounds(Some(sequence.bounds));
         check_settings(&config)?;
         let labels = match codec.labels {
