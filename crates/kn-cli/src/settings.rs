@@ -11,6 +11,9 @@ use kn_codec::{
     NodeChoice, NodePlacement, PartStart, Setting, SmoothingChoice, StepChoice, TranslationChoice,
 };
 
+/// Heading of the flags that `--help` leaves to `--help-all`.
+const EXPERT: &str = "Expert settings";
+
 /// Settings of the codec. A setting that is not given keeps the value of the preset.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Settings {
@@ -37,55 +40,71 @@ pub(crate) struct Settings {
     nodes: Option<NodeChoice>,
     /// Places of the key nodes [default: generated]
     #[arg(long, value_parser = named::<NodePlacement>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     placement: Option<NodePlacement>,
     /// Region without key nodes: an error, or moved by the nearest nodes of any region
     #[arg(long, value_parser = named::<InfluenceMode>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     influence: Option<InfluenceMode>,
     /// Affine key nodes: none, those of the torso, those that pay for their bytes, or all
     #[arg(long, value_parser = named::<AffineChoice>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     affine: Option<AffineChoice>,
     /// Choice of the components of affine nodes by least J = D + λR [default: first-p]
     #[arg(long, value_parser = named::<CombinationChoice>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     choice: Option<CombinationChoice>,
     /// Components of affine nodes instead of a choice: T, RT, TS, TH, RTS, RTH, TSH or RTSH
     #[arg(long, conflicts_with = "choice")]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     combination: Option<Combination>,
     /// Measure of D [default: surrogate]
     #[arg(long, value_parser = named::<DistortionMeasure>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     distortion: Option<DistortionMeasure>,
     /// λ: the distortion that a byte of a P-frame is worth [default: 3e-5]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     lambda: Option<f64>,
     /// Segment-guided correspondence: whether labelled parts are first aligned rigidly, before
     /// their nodes move [default: on]
     #[arg(long, value_parser = named::<PartStart>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     part_start: Option<PartStart>,
     /// Prediction of translations: none, as in the paper, or the cheapest in each frame
     /// [default: cost]
     #[arg(long, value_parser = named::<TranslationChoice>())]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     translation: Option<TranslationChoice>,
     /// Strength of the smoothing of I-frames: auto, or 0 (none) to 5 [default: auto]
     #[arg(long, value_name = "AUTO|N")]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     smoothing: Option<SmoothingChoice>,
     /// Weights by distance: inverse-square, sumner or gaussian:SIGMA (in grid steps)
     #[arg(long)]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     weights: Option<Weights>,
     /// Key nodes that move a vertex, Q [default: 4]
     #[arg(long, value_name = "N")]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     nodes_per_vertex: Option<u8>,
     /// Quantiser step of translations in grid steps, or `auto`: all steps by least J in every
     /// P-frame [default: auto]
     #[arg(long, value_name = "STEPS|AUTO")]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     motion_step: Option<StepChoice>,
     /// Quantiser step of rotations: the distance that it moves a vertex, in grid steps [default:
     /// that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     rotation_step: Option<f64>,
     /// Quantiser step of scales [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     scale_step: Option<f64>,
     /// Quantiser step of shears [default: twice that of translations, or by least J]
     #[arg(long, value_name = "STEPS", value_parser = choices::length)]
+    #[arg(help_heading = EXPERT, hide_short_help = true)]
     shear_step: Option<f64>,
 }
 

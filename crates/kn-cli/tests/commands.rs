@@ -248,6 +248,18 @@ fn command_of_width(name: &str) -> String {
 }
 
 #[test]
+fn the_help_of_encode_fits_two_screens() {
+    let help = command_of_width("encode");
+    assert!(help.lines().count() <= 100, "{} lines", help.lines().count());
+    assert!(!help.contains("Expert settings") && help.contains("--help-all"), "{help}");
+    let all = succeeds(["encode", "--help-all"]);
+    let (_, expert) = all.split_once("Expert settings:").expect("a heading");
+    for flag in ["--placement", "--combination", "--lambda", "--shear-step"] {
+        assert!(expert.contains(flag), "{flag}");
+    }
+}
+
+#[test]
 fn one_of_a_thing_is_called_so() {
     let scans = Scans::new();
     let mut arguments = scans.encode("scan/f_08.obj", &[]);

@@ -13,6 +13,7 @@ use crate::outputs::Outputs;
 use crate::progress;
 use crate::settings::{Settings, check_settings};
 use anyhow::{Context, Result, bail};
+use clap::ArgAction;
 use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis};
 use kn_codec::{
     AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, NodeChoice, Preset,
@@ -32,6 +33,7 @@ use vertex_maps::VertexMaps;
 
 /// Encode scans, one mesh a frame, into a .knm file
 #[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
 #[command(after_help = "\
 All frames are read once before encoding begins, so that one grid fits them all and a broken scan
 is found before any work is done. Seams are welded. Degenerate and duplicate faces are dropped, and
@@ -86,6 +88,12 @@ pub(crate) struct EncodeArguments {
     /// Write a report of every frame to this file, as JSON
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Print help
+    #[arg(short, long, action = ArgAction::HelpShort)]
+    help: Option<bool>,
+    /// Print help with the expert settings: key nodes, components, steps, prediction
+    #[arg(long, action = ArgAction::HelpLong)]
+    help_all: Option<bool>,
 }
 
 /// Runs the command.

@@ -3,7 +3,9 @@
 
 use crate::decode::key_nodes::{NodeSet, decode_key_nodes};
 use crate::decode::path::{Sites, trace_path};
-use crate::decode::references::{Reference, ReferencePool, Slot};
+#[cfg(feature = "encode")]
+use crate::decode::references::Reference;
+use crate::decode::references::{ReferencePool, Slot};
 use crate::decode::transforms::decode_transforms;
 use crate::decode::translation::Translations;
 use kn_bitstream::params::{InfluenceMode, LabelSet, UpAxis, WeightScheme, Weights};
@@ -201,6 +203,7 @@ impl Reconstruction {
     }
 
     /// The decoded frame in a slot.
+    #[cfg(feature = "encode")]
     pub(crate) fn reference(&self, slot: Slot) -> &Reference {
         self.references.get(slot)
     }
