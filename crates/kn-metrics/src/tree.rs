@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use kn_mesh::vec3::{Vec3, scale, sub};
 use triangle::Triangle;
 
+#[path = "bvh/build.rs"]
 mod build;
+#[path = "bvh/node.rs"]
 mod node;
 mod query;
 mod triangle;
@@ -77,7 +79,7 @@ impl TriangleTree {
     /// Builds the BVH over `faces` (`#F × 3`, indices into `positions`, `#V × 3`).
     ///
     /// # Errors
-    /// There is no face, an index is out of range, or a coordinate is no number within ±1e60 (also
+    /// There is no face, an index is out of range, or a coordinate is not a number within ±1e60 (also
     /// of a vertex without faces).
     pub fn new(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, TreeError> {
         check(positions, faces)?;
