@@ -76,7 +76,7 @@ impl TranslationMode {
     }
 }
 
-/// Which components of affine nodes are enabled.
+/// Reads the flags of the components that affine nodes have.
 fn read_enabled(
     bits: &mut BitReader<'_, '_>,
     context: &MotionContext,

@@ -63,7 +63,7 @@ rules! {
     DESCRIPTOR_HUFFMAN_RANGE = "descriptor.huffman.range", "a Huffman-coded value must be below 2^20 in magnitude";
 
     FILE_SIGNATURE_VALUE = "file.signature.value", "a file must begin with the signature of .knm files";
-    FILE_ORDER = "file.order", "a file must hold its units in the order header, groups of frames, index, and end with the index";
+    FILE_ORDER = "file.order", "a file must hold its units in the order header, GoFs, index, and end with the index";
     FILE_GROUP_LENGTH = "file.group.length", "a group of frames must have at most max_group_length frames";
     UNIT_TYPE_KNOWN = "unit.type.known", "unit_type must be from 1 to 5, or at least 128";
     UNIT_SIZE_LIMIT = "unit.size.limit", "unit_size must not be above the level's limit";
@@ -126,7 +126,7 @@ rules! {
     MOTION_ENTROPY_KNOWN = "motion.entropy.known", "entropy_mode must be 0";
     MOTION_RESIDUAL_KNOWN = "motion.residual.known", "residual_present must be 0";
     MOTION_TRANSLATION_KNOWN = "motion.translation.known", "translation_mode must be 0, 1 or 2";
-    MOTION_TRANSLATION_FIRST = "motion.translation.first", "translation_mode must not be 2 in the first P-frame of a group";
+    MOTION_TRANSLATION_FIRST = "motion.translation.first", "translation_mode must not be 2 in the first P-frame of a GoF";
     MOTION_ENABLED_AFFINE = "motion.enabled.affine", "no component must be enabled where no node is affine";
     MOTION_TABLE_RANGE = "motion.table.range", "a Huffman table index must be from 0 to 47";
     MOTION_TRANSLATION_RANGE = "motion.translation.range", "a translation must be below 2^20 grid steps in magnitude";

@@ -2,26 +2,14 @@
 //! grid steps, five nodes and five hundred.
 
 use crate::measures::MeasureOptions;
-use kn_bitstream::params::{Combination, NameError, Named};
-use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
+use kn_bitstream::impl_named;
+use kn_bitstream::params::Combination;
+use strum::{AsRefStr, EnumMessage, VariantArray};
 
-/// When each labelled part is first aligned rigidly, before the nodes move (the paper's
-/// segmentation-enhanced correspondence estimation).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
+/// The frames in which each labelled part is first aligned rigidly, before the nodes move (the
+/// paper's segmentation-enhanced correspondence estimation).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<PartStart>)]
 pub enum PartStart {
     /// Never.
     Off,
@@ -32,13 +20,7 @@ pub enum PartStart {
     Auto,
 }
 
-impl Named for PartStart {
-    const KIND: &'static str = "part start";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
+impl_named! { PartStart: "part start" }
 
 /// Options of the fit of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

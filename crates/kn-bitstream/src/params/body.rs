@@ -1,28 +1,14 @@
 //! The parts of a human body and the regions that they form.
 
-use crate::params::{NameError, Named};
-use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
+use crate::impl_named;
+use strum::{AsRefStr, EnumMessage, VariantArray};
 
 /// A body part: the 14 parts of the bi-modal paper, in its order, and [`Self::Other`] for whatever
 /// belongs to no part. The discriminant is the label of [`super::LabelSet::Body`]
 /// (`header.labels.meaning`).
 #[derive(
-    Clone,
-    Copy,
-    Debug,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, AsRefStr, EnumMessage, VariantArray,
 )]
-#[strum(ascii_case_insensitive)]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<BodyPart>)]
 #[repr(u8)]
 pub enum BodyPart {
     /// Head and neck.
@@ -72,22 +58,8 @@ pub enum BodyPart {
 /// A region of influence: key nodes move the vertices of their own region. The discriminant is the
 /// number of the region (`header.labels.meaning`).
 #[derive(
-    Clone,
-    Copy,
-    Debug,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, AsRefStr, EnumMessage, VariantArray,
 )]
-#[strum(ascii_case_insensitive)]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<Region>)]
 #[repr(u8)]
 pub enum Region {
     /// The head.
@@ -110,20 +82,9 @@ pub enum Region {
     Other,
 }
 
-impl Named for BodyPart {
-    const KIND: &'static str = "body part";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
-
-impl Named for Region {
-    const KIND: &'static str = "region";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
+impl_named! {
+    BodyPart: "body part",
+    Region: "region",
 }
 
 impl BodyPart {

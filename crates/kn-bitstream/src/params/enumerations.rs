@@ -1,23 +1,10 @@
 //! Enumerations that a sequence header or a P-frame carries as a number.
 
-use crate::params::{NameError, Named};
-use strum::{AsRefStr, Display, EnumMessage, EnumString, VariantArray};
+use crate::impl_named;
+use strum::{AsRefStr, EnumMessage, VariantArray};
 
 /// The unit of world coordinates (`unit_of_length`).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<UnitOfLength>)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[repr(u8)]
 pub enum UnitOfLength {
     /// Unknown.
@@ -42,21 +29,8 @@ pub enum UnitOfLength {
 }
 
 /// The axis that points up (`up_axis`).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "lowercase")]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<UpAxis>)]
 #[repr(u8)]
 pub enum UpAxis {
     /// The first coordinate.
@@ -69,21 +43,8 @@ pub enum UpAxis {
 }
 
 /// The weight of a node as a function of its distance d from the vertex (`weight_scheme`).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<WeightScheme>)]
 #[repr(u8)]
 pub enum WeightScheme {
     /// w = 1/d²: the bi-modal paper's scheme.
@@ -98,21 +59,8 @@ pub enum WeightScheme {
 
 /// The influence on a vertex whose region has no key node (`influence_mode`,
 /// `deform.influence.mode`).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<InfluenceMode>)]
 #[repr(u8)]
 pub enum InfluenceMode {
     /// An error: the paper's manual mode.
@@ -123,21 +71,8 @@ pub enum InfluenceMode {
 }
 
 /// The prediction of the translations of a P-frame (`translation_mode`).
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    AsRefStr,
-    Display,
-    EnumMessage,
-    EnumString,
-    VariantArray,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
-#[strum(parse_err_ty = NameError, parse_err_fn = NameError::of::<TranslationMode>)]
 #[repr(u8)]
 pub enum TranslationMode {
     /// Nothing.
@@ -149,44 +84,12 @@ pub enum TranslationMode {
     SpatioTemporal,
 }
 
-impl Named for UnitOfLength {
-    const KIND: &'static str = "unit of length";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
-
-impl Named for UpAxis {
-    const KIND: &'static str = "up axis";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
-
-impl Named for WeightScheme {
-    const KIND: &'static str = "weight scheme";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
-
-impl Named for InfluenceMode {
-    const KIND: &'static str = "influence mode";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
-}
-
-impl Named for TranslationMode {
-    const KIND: &'static str = "translation mode";
-
-    fn all() -> Vec<Self> {
-        Self::VARIANTS.to_vec()
-    }
+impl_named! {
+    UnitOfLength: "unit of length",
+    UpAxis: "up axis",
+    WeightScheme: "weight scheme",
+    InfluenceMode: "influence mode",
+    TranslationMode: "translation mode",
 }
 
 impl UpAxis {

@@ -6,8 +6,9 @@ use strum::EnumMessage;
 /// An enumeration whose values have names: it is parsed from them, prints them, and knows what each
 /// value means. Command lines and bindings generate their lists of values from it.
 ///
-/// The derives of [`strum`] give the names (`AsRefStr`) and the descriptions (`EnumMessage`), and
-/// with [`NameError::of`] as its error `EnumString` reads them.
+/// The derives of [`strum`] give the names (`AsRefStr`), the descriptions (`EnumMessage`) and the
+/// list of values (`VariantArray`); [`impl_named`](crate::impl_named) does the rest for an
+/// enumeration whose values have no fields.
 pub trait Named: Clone + AsRef<str> + EnumMessage {
     /// Name of the enumeration in messages, in the singular: `weight scheme`.
     const KIND: &'static str;
@@ -28,6 +29,64 @@ pub trait Named: Clone + AsRef<str> + EnumMessage {
         let words: Vec<&str> = paragraph.split_whitespace().collect();
         words.join(" ").trim_end_matches('.').to_owned()
     }
+
+    /// The value with this name, in upper or lower case.
+    ///
+    /// # Errors
+    /// There is none; the error has all names.
+    fn of_name(text: &str) -> Result<Self, NameError> {
+        let found = Self::all().into_iter().find(|value| value.name().eq_ignore_ascii_case(text));
+        found.ok_or_else(|| NameError::of::<Self>(text))
+    }
+}
+
+/// Implements [`Named`](crate::params::Named), `FromStr` and `Display` for enumerations whose
+/// values have no fields. They derive `AsRefStr`, `EnumMessage` and `VariantArray` of strum.
+///
+/// ```
+/// use kn_bitstream::params::Named;
+/// use strum::{AsRefStr, EnumMessage, VariantArray};
+///
+/// #[derive(Clone, Copy, Debug, PartialEq, AsRefStr, EnumMessage, VariantArray)]
+/// #[strum(serialize_all = "kebab-case")]
+/// enum Speed {
+///     /// As fast as it goes.
+///     Fast,
+///     /// With care.
+///     VerySlow,
+/// }
+///
+/// kn_bitstream::impl_named! { Speed: "speed" }
+///
+/// assert_eq!("very-slow".parse(), Ok(Speed::VerySlow));
+/// assert_eq!(Speed::Fast.to_string(), "fast");
+/// assert_eq!(Speed::Fast.about(), "As fast as it goes");
+/// ```
+#[macro_export]
+macro_rules! impl_named {
+    ($($name:ident: $kind:literal),* $(,)?) => {$(
+        impl $crate::params::Named for $name {
+            const KIND: &'static str = $kind;
+
+            fn all() -> Vec<Self> {
+                <Self as strum::VariantArray>::VARIANTS.to_vec()
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.as_ref())
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = $crate::params::NameError;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                <Self as $crate::params::Named>::of_name(text)
+            }
+        }
+    )*};
 }
 
 /// The error for a text that is not the name of a value of an enumeration.
