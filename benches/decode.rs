@@ -1,4 +1,4 @@
-//! What a player waits for: an I-frame, the first P-frame of a GoF (which binds influence), a
+//! Times that a player waits: for an I-frame, the first P-frame of a GoF (which binds influence), a
 //! P-frame, and the deformation kernel alone. On one core.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};

@@ -36,7 +36,7 @@ fn decode(reader: impl Read + Seek) -> Result<()> {
     Ok(())
 }
 
-/// Where a player would draw.
+/// Prints the frame; a player would draw it.
 fn show(frame: &FrameInfo, mesh: &Mesh) {
     let height = mesh.bounding_box().map_or(0.0, |bounds| bounds.max[1] - bounds.min[1]);
     println!(

@@ -58,7 +58,7 @@ fn receive(mut connection: TcpStream) -> Result<()> {
     }
 }
 
-/// Where a player would draw.
+/// Prints the frame; a player would draw it.
 fn show(received: usize, frame: &FrameInfo) {
     let FrameInfo { index, kind, vertices, .. } = frame;
     println!("after {received:6} bytes: frame {index}, {kind:?}, {vertices} vertices");

@@ -229,7 +229,7 @@ fn seeking_by_an_index_that_lies_is_an_error() {
     }
 }
 
-/// What cannot be sought in can still be read from where it stands.
+/// A reader that cannot seek can still be read from where it stands.
 #[test]
 fn a_failed_search_for_the_index_leaves_the_reader_where_it_was() {
     let stream = performers().bytes;

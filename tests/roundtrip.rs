@@ -1,4 +1,4 @@
-//! What the encoder says is what the decoder shows.
+//! The encoder's reports agree with the decoder's frames.
 
 mod common;
 

@@ -25,7 +25,7 @@ fn ids_are_unique() {
     }
 }
 
-/// What stands outside rules and may: how a paragraph begins, by chapter. Introductions, and what is
+/// Paragraphs that may stand outside rules, by chapter and beginning. Introductions, and what is
 /// said of the specification itself.
 const WITHOUT_RULE: &[(&str, &str)] = &[
     ("01-conventions.md", "\"shall\" says what every stream obeys"),

@@ -1,4 +1,4 @@
-//! What the targets share: a decoder inside small limits, and its frames.
+//! Shared by the targets: a decoder inside small limits, and its frames.
 
 use kn_codec::{DecodeError, Decoder, Limits, Progress, StreamDecoder, digest};
 use kn_mesh::Mesh;

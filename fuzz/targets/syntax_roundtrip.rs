@@ -1,5 +1,5 @@
-//! What the decoder takes, the interpreter of the syntax tables reads to the same elements, and
-//! writes back to the same bytes.
+//! A stream that the decoder takes is read by the interpreter to the same elements, and
+//! written back to the same bytes.
 #![no_main]
 
 use std::path::Path;

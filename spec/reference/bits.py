@@ -179,16 +179,16 @@ class BitReader:
 
 
 def read_uleb(next_byte, name):
-    """r[descriptor.uleb], with next_byte() giving one group of eight bits."""
+    """r[descriptor.uleb], with next_byte() giving one byte."""
     value = 0
-    for group in range(5):
+    for byte_index in range(5):
         byte = next_byte()
-        value += (byte & 127) << (7 * group)
+        value += (byte & 127) << (7 * byte_index)
         if byte & 128 == 0:
-            require(byte != 0 or group == 0, "descriptor.uleb.shortest", f"{name} has a group too many")
+            require(byte != 0 or byte_index == 0, "descriptor.uleb.shortest", f"{name} has a byte too many")
             require(value < 2**32, "descriptor.uleb.range", f"{name} is 2^32 or more")
             return value
-    raise Refused("descriptor.uleb.range", f"{name} has more than 5 groups")
+    raise Refused("descriptor.uleb.range", f"{name} has more than 5 bytes")
 
 
 def crc32(data):

@@ -71,7 +71,7 @@ def read(what, known, data):
     elif what == "motion_frame":
         rigid = known["NodeCount"] - known["AffineCount"]
         affine = [False] * rigid + [True] * known["AffineCount"]
-        # where it is not said, the frame is the first P-frame of its group
+        # where it is not said, the frame is the first P-frame of its GoF
         header = syntax.Elements()
         header.fraction_bits = 8
         prediction = motion.Prediction([(0, 0, 0)] * len(affine), [0] * len(affine), [], header)

@@ -79,7 +79,7 @@ class File:
 
 
 class Group:
-    """A group of frames: what its P-frames need."""
+    """A GoF: the state that its P-frames need."""
 
     def __init__(self, start):
         self.start = start  # first byte of its intra_frame in the file
@@ -98,7 +98,7 @@ class Decoder:
     def __init__(self, output):
         self.output = output
         self.header = None
-        self.groups = []  # (first byte, frames) of each group that is complete
+        self.groups = []  # (first byte, frames) of each GoF that is complete
         self.group = None
         self.last_type = None  # of the last unit that is not skippable
         self.frame_index = 0

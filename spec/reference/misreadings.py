@@ -195,7 +195,7 @@ EQUIVALENT = {
 WEAKENED = {
     # 2 Descriptors
     "descriptor.uleb.range: value < 2 ** 32": [("bits", "            require(value < 2**32, \"descriptor.uleb.range\", f\"{name} is 2^32 or more\")\n            return value", "            return value % 2**32")],
-    "descriptor.uleb.range: all": [("bits", "            require(value < 2**32, \"descriptor.uleb.range\", f\"{name} is 2^32 or more\")\n            return value", "            return value % 2**32"), ("bits", "for group in range(5):", "for group in range(6):")],
+    "descriptor.uleb.range: all": [("bits", "            require(value < 2**32, \"descriptor.uleb.range\", f\"{name} is 2^32 or more\")\n            return value", "            return value % 2**32"), ("bits", "for byte_index in range(5):", "for byte_index in range(6):")],
     "descriptor.rice.range: value < 2 ** 32": [("bits", "        require(value < 2**32, \"descriptor.rice.range\", f\"{name} is 2^32 or more\")\n        return value", "        return value % 2**32")],
     "unit.size.exact: all": [("bits", "        require(byte < len(self.data), \"unit.size.exact\", \"the structure is longer than its unit\")\n        value = (self.data[byte] >>", "        value = ((self.data + bytes(99))[byte] >>"), ("bits", "        require(n <= len(self.data) - at, \"unit.size.exact\", f\"{name} is longer than its unit\")\n", ""), ("kn_decode", "        require(r.position == 8 * len(r.data), \"unit.size.exact\", \"the unit is longer than its structure\")\n", "")],
     # 3 Syntax
@@ -240,7 +240,7 @@ WEAKENED = {
 # Checks that no faulty stream can single out, and why: the rule, or another one, refuses all such streams at another place.
 NOT_ALONE = {
     # Refused by the same rule a little later: another check of it would have to be left out too.
-    "descriptor.uleb.range: raise": "a number of six groups is 2^32 or more",
+    "descriptor.uleb.range: raise": "a number of six bytes is 2^32 or more",
     "unit.size.exact: byte < len(self.data)": "the structure then ends behind its unit",
     "unit.size.exact: n <= len(self.data) - at": "the structure then ends behind its unit",
     "intra.vertices.count: p.isolated_count <= p.vertex_count": "the sum of 5.4 cannot be right then",
@@ -259,7 +259,7 @@ NOT_ALONE = {
     "index.frames.range: 1 <= group_frames": "no group is empty: index.groups.match",
     "index.frames.range: group_frames <= header.max_group_length": "groups are as long as the index says: index.groups.match, file.group.length",
     "index.count.range: group_count >= 1": "the file has a group, or breaks file.order",
-    "file.order: last != SEQUENCE_HEADER": "an index of no groups: index.count.range",
+    "file.order: last != SEQUENCE_HEADER": "an index of no GoFs: index.count.range",
     "file.order: len(signature) == 8": "a signature cut short is another: file.signature.value",
     "file.order: len(data) == n": "what is cut short has another CRC: unit.crc.match",
     # Beyond a small corpus.

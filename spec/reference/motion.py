@@ -32,7 +32,7 @@ def parameter_step(s):
 
 
 class Prediction:
-    """7.4: what the P-frames of a group predict translations from. nodes: as placed on the I-frame, in
+    """7.4: what the P-frames of a GoF predict translations from. nodes: as placed on the I-frame, in
     grid steps."""
 
     def __init__(self, nodes, node_labels, influences, header):

@@ -210,7 +210,7 @@ def key_nodes(r, header, vertex_count):
 
 def motion_frame(r, affine, part_count, previous_table):
     """3.7, 6.6. affine[node] says which nodes are affine; previous_table is None in the first P-frame of a
-    group. The values stay quantised: chapter 7 makes translations and angles of them."""
+    GoF. The values stay quantised: chapter 7 makes translations and angles of them."""
     m = frame_header(r, Elements())
     m.reference_mode = r.u(2, "reference_mode")
     require(m.reference_mode == 0, "motion.reference.known", f"reference_mode {m.reference_mode}")
@@ -223,7 +223,7 @@ def motion_frame(r, affine, part_count, previous_table):
     require(
         m.translation_mode != 2 or previous_table is not None,
         "motion.translation.first",
-        "the first P-frame of a group has no frame before",
+        "the first P-frame of a GoF has no frame before",
     )
     m.rotation_enabled = r.u(1, "rotation_enabled")
     m.scale_enabled = r.u(1, "scale_enabled")

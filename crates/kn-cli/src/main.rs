@@ -8,7 +8,6 @@ mod interrupt;
 mod nearest;
 mod output;
 mod outputs;
-mod parts;
 mod picture;
 mod progress;
 mod settings;

@@ -85,7 +85,7 @@ impl Outputs {
             "{name}: {flag} would replace an input of this command"
         );
         match self.outputs.insert(identity, flag.to_owned()) {
-            Some(other) => Err(anyhow!("{name}: {other} and {flag} would both be written there")),
+            Some(other) => Err(anyhow!("{name}: {other} and {flag} name the same file")),
             None => Ok(()),
         }
     }
@@ -96,7 +96,7 @@ impl Outputs {
 /// # Errors
 /// There is one.
 pub(crate) fn check_no_folder(path: &Path) -> Result<()> {
-    ensure!(!path.is_dir(), "{}: a folder is where a file shall be written", path.display());
+    ensure!(!path.is_dir(), "{}: this is a folder; give the path of a file", path.display());
     Ok(())
 }
 

@@ -59,7 +59,7 @@ fn empty_files() {
 
 #[test]
 fn unreadable_files() {
-    rejects(b"\x00\xff\xfe", "obj", &["no OBJ statement"]);
+    rejects(b"\x00\xff\xfe", "obj", &["not an OBJ statement"]);
     rejects(b"\x00\xff\xfe", "ply", &[]);
     rejects(b"\x00\xff\xfe", "glb", &[]);
 }
@@ -158,7 +158,7 @@ fn a_step_too_short_for_the_frames() {
     assert!(message.contains("the longest side of the box of all frames is 1."), "{message}");
     let output = kn(scans.encode("scan/*.obj", &["--step=-1"]));
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("a length is a positive number"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("give a positive number"), "{}", stderr(&output));
     scans.assert_untouched();
 }
 

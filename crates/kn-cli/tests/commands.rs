@@ -1,4 +1,4 @@
-//! What the commands do with sound input.
+//! The commands on sound input.
 
 mod common;
 

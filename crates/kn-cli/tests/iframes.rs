@@ -1,4 +1,4 @@
-//! What `kn encode` does with I-frames when told: lossless, decimated, with vertex maps.
+//! Settings of `kn encode` for I-frames: lossless, decimated, with vertex maps.
 
 mod common;
 

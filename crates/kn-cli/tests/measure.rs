@@ -6,7 +6,7 @@ use common::{FRAMES, Scans, fails, kn, names_in, stderr, succeeds};
 use serde_json::Value;
 use std::fs;
 
-/// What --json prints.
+/// Runs the command and reads the JSON that it prints.
 #[track_caller]
 fn json(arguments: &[&str]) -> Value {
     serde_json::from_str(&succeeds(arguments)).expect("JSON")

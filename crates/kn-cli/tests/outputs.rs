@@ -15,7 +15,7 @@ fn refused(arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// What all files hold, by path.
+/// The bytes of all files, by path.
 fn contents(scans: &Scans) -> Vec<(String, Vec<u8>)> {
     let read =
         |name: String| (name.clone(), fs::read(scans.path("scan").join(name)).expect("read"));
@@ -67,7 +67,7 @@ fn two_outputs_are_two_files() {
     let scans = Scans::new();
     let (scan, a) = (scans.text("scan"), scans.text("scan/f_08.obj"));
     let (q, again) = (scans.text("q.knm"), scans.text("scan/../q.knm"));
-    let both = ["--output and --report would both be written there"];
+    let both = ["--output and --report name the same file"];
     refused(&["encode", &scan, "-o", &q, "--report", &q], &both);
     refused(&["encode", &scan, "-o", &q, "--report", &again], &both);
     refused(&["encode", &scan, "-o", "-", "--report", "-"], &["standard output: ", both[0]]);
@@ -147,7 +147,7 @@ fn pictures_are_png() {
 fn a_folder_in_the_way_leaves_nothing_behind() {
     let scans = Scans::new();
     let stream = scans.encoded().to_string_lossy().into_owned();
-    let way = "a folder is where a file shall be written";
+    let way = "this is a folder; give the path of a file";
     let arguments = ["decode", &stream, "-o", &scans.text("out"), "--overwrite"];
     fs::create_dir_all(scans.path("out/f_10.obj")).expect("made");
     refused(&arguments, &["out/f_10.obj: ", way]);

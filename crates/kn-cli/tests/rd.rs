@@ -78,7 +78,7 @@ impl Study {
         serde_json::from_slice(&text).expect("JSON")
     }
 
-    /// When each file of the cells was written.
+    /// The time at which each file of the cells was written.
     fn times(&self) -> BTreeMap<String, SystemTime> {
         let cells = self.path("out/cells");
         let time = |name: &String| {
@@ -242,7 +242,7 @@ fn an_input_that_is_not_there_is_named() {
 fn a_broken_table_is_an_error_and_a_failed_stream_is_reported() {
     let study = Study::new(CONFIG, &TABLE.replace("20,0.005", "2o,0.005"));
     let broken = fails(study.arguments(&[]));
-    assert!(broken.ends_with("line 3: '2o' in the column rate is no number"), "{broken}");
+    assert!(broken.ends_with("line 3: '2o' in the column rate is not a number"), "{broken}");
 
     // One node for seven regions, none of which may go without: only that codec fails.
     let config = CONFIG.replace("nodes = 40", "nodes = 1\ninfluence = \"strict\"");

@@ -35,7 +35,7 @@ fn block_lines<'t>(text: &'t str, language: &str) -> Vec<&'t str> {
 #[test]
 fn its_code_is_in_the_examples() {
     let Some(readme) = read("README.md") else { return };
-    let names = ["encode_sequence", "decode_frames", "decode_network_stream"];
+    let names = ["encode_sequence", "decode_frames", "decode_network_stream", "compare_sequences"];
     let examples: Option<String> =
         names.iter().map(|name| read(&format!("examples/{name}.rs"))).collect();
     let Some(examples) = examples else { return };

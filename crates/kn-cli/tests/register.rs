@@ -36,7 +36,7 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("{key} in {value}"))
 }
 
-/// Where the vertices of scan 0 truly are in scan 3, as `truth.obj`.
+/// Writes the true positions of the vertices of scan 0 in scan 3 to `truth.obj`.
 fn write_truth(scans: &Scans) {
     let config = PerformerConfig { vertices: 1_200, ..PerformerConfig::default() };
     let performer = Performer::new(config).expect("valid settings");

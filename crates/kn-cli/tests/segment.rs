@@ -85,7 +85,7 @@ fn no_person_is_no_error() {
     let output = kn(scan_arguments(&scans, &["-o", &scans.text("labels"), "--json"]));
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(json["frames"][0]["doubts"][0], "it looks like no person: all of it is Other");
+    assert_eq!(json["frames"][0]["doubts"][0], "no person was found: every vertex is Other");
     assert!(labels_in(&scans.path("labels/f_08.labels")).iter().all(|&label| label == 14));
     let output = kn(scans.encode("scan/*.obj", &[]));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -178,12 +178,12 @@ pub enum EncodeError {
     #[error("cannot write the stream: {0}")]
     Io(#[from] std::io::Error),
     /// A frame cannot be coded.
-    #[error("frame {frame}: {reason}")]
+    #[error("frame {frame}: {fault}")]
     Input {
         /// Index of the frame, in the order of pushing.
         frame: u64,
-        /// The reason, as a sentence.
-        reason: String,
+        /// The fault of the frame.
+        fault: crate::InputFault,
     },
     /// The sequence was finished before a frame was pushed.
     #[error("a sequence has at least one frame, and none was pushed")]

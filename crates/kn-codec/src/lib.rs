@@ -4,8 +4,8 @@
 //! on by default) owns the decoder's reconstruction and calls it for its reference, so that there
 //! is one copy of every decoding step.
 //!
-//! An application depends on this crate alone: [`Mesh`] is here, and [`params`] is the vocabulary of
-//! settings and headers.
+//! An application depends on this crate alone: [`Mesh`] is here, and [`params`] is the vocabulary
+//! of settings and headers.
 //!
 //! # A complete encoder
 //!
@@ -72,9 +72,10 @@ mod encode;
 pub use encode::{
     AffineChoice, CodedFrame, CombinationChoice, CostReport, Decimation, DistortionMeasure,
     EarlierFrames, Encoder, EncoderConfig, FailureTuning, Finished, FitFailure, FormError,
-    FrameReport, GridChoice, IntraConfig, IntraReport, LabelChoice, MotionConfig, NodeChoice,
-    NodePlacement, PredictedReport, Preset, RateConfig, SequenceConfig, Setting, SettingsError,
-    SmoothingChoice, StepChoice, StepReport, Summary, TranslationChoice,
+    FrameReport, GridChoice, InputFault, IntraConfig, IntraReport, LabelChoice, MotionConfig,
+    NamedSetting, NodeChoice, NodePlacement, PredictedReport, Preset, RateConfig, SequenceConfig,
+    SetError, Setting, SettingsError, SmoothingChoice, StepChoice, StepReport, Summary,
+    TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

@@ -1,5 +1,5 @@
-//! What a payload can make the decoder of I-frames allocate. Alone in its process: it counts every
-//! byte of it.
+//! The memory that a payload can make the decoder of I-frames allocate. Alone in its process: it
+//! counts every byte of it.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What the encoder chooses by J = D + λR.
+//! Choices of the encoder by J = D + λR.
 
 use kn_bitstream::params::{Combination, InfluenceMode};
 use kn_codec::{

@@ -306,7 +306,7 @@ fn ragged_labels_cost_little() {
     }
 }
 
-/// What the header announces is checked before anything is allocated for it; the rest grows with
+/// The numbers of the header are checked before anything is allocated for them; the rest grows with
 /// decisions that were read.
 #[test]
 fn announced_counts_are_bounded_by_the_bytes_that_are_there() {

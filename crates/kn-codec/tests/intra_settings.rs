@@ -1,4 +1,4 @@
-//! What an encoder's user can ask of I-frames: no loss, fewer faces, and where vertices went.
+//! Settings of the encoder for I-frames: no loss, fewer faces, maps of vertices.
 
 use kn_codec::{DROPPED, GridChoice};
 use kn_codec::{Decimation, Decoder, EncodeError, Encoder, EncoderConfig, FrameReport};

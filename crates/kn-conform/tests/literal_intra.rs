@@ -67,7 +67,8 @@ fn highest_level() -> Level {
     Level::all().last().expect("there are levels").1
 }
 
-/// The mesh as the specification's tables and a literal reading have it, or the rule that is broken.
+/// The mesh as the specification's tables and a literal reading have it, or the rule that is
+/// broken.
 fn by_text(payload: &[u8]) -> Result<GridMesh, Rule> {
     static SPEC: std::sync::OnceLock<Spec> = std::sync::OnceLock::new();
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../spec"));
@@ -91,7 +92,7 @@ fn by_codec(payload: &[u8]) -> Result<GridMesh, Rule> {
     }
 }
 
-/// Where `label_size`, the last number of the header, is.
+/// The place of `label_size`, the last number of the header.
 fn place_of_label_size(payload: &[u8]) -> usize {
     let mut at = 2;
     for _ in 0..8 {

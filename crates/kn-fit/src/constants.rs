@@ -32,7 +32,7 @@ pub(crate) mod starts {
 pub(crate) mod matches {
     /// Opposite normals count as far apart as this many node spacings times two.
     pub(crate) const NORMAL_SCALE: f64 = 1.5;
-    /// What a difference in reach counts in the first matches: it brings a limb that swings to
+    /// Weight of a difference in reach in the first matches: it brings a limb that swings to
     /// where it goes. Poses change it a little, so it soon fades.
     pub(crate) const REACH_WEIGHT: f64 = 0.5;
     /// The weight in a step is this share of that in the last.
@@ -77,7 +77,7 @@ pub(crate) mod minimisation {
     pub(crate) const LEAST_SCALE: f64 = 0.05;
     /// Bound on the evaluations of a minimisation, per iteration; one or two is usual.
     pub(crate) const EVALUATIONS_PER_ITERATION: usize = 8;
-    /// What is added to the diagonal of the preconditioner, relative to its entries: directions
+    /// The addition to the diagonal of the preconditioner, relative to its entries: directions
     /// that neither data nor smoothness see stay where they are.
     pub(crate) const DAMPING: f64 = 1e-6;
     /// Iterations of L-BFGS in one correspondence step.
@@ -107,7 +107,7 @@ pub(crate) mod placement {
     pub(crate) const AFFINE_DENSITY: f64 = 1.5;
 }
 
-/// How the key-node generator works (`generate.rs`); its rounds and shares are compared in the
+/// Constants of the key-node generator (`generate.rs`); its rounds and shares are compared in the
 /// note.
 pub(crate) mod generator {
     /// The dense set has this many nodes for each one that is wanted.

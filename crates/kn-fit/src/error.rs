@@ -13,7 +13,7 @@ pub enum FitError {
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} of the {mesh} mesh is not finite")]
     NotFinite {
-        /// Which of the two meshes.
+        /// The mesh, source or target.
         mesh: Side,
         /// Index of the vertex.
         vertex: usize,
@@ -21,7 +21,7 @@ pub enum FitError {
     /// The closest-point search refuses a mesh: too many faces, coordinates too large.
     #[error("the {mesh} mesh cannot be searched")]
     Tree {
-        /// Which of the two meshes.
+        /// The mesh, source or target.
         mesh: Side,
         /// The reason.
         source: kn_metrics::TreeError,
@@ -32,7 +32,7 @@ pub enum FitError {
     /// A face names a vertex that does not exist.
     #[error("face {face} of the {mesh} mesh names a vertex that does not exist")]
     BadFace {
-        /// Which of the two meshes.
+        /// The mesh, source or target.
         mesh: Side,
         /// Index of the face.
         face: usize,

@@ -104,7 +104,7 @@ pub(crate) fn influence_of<'a>(source: &FitSource<'a>, vertex: u32) -> (&'a [u16
     (&source.influence.nodes[range.clone()], &source.influence.weights[range])
 }
 
-/// What Σ_j M_j y_j needs so that it is the deformed position of a point of the surface: the
+/// The terms that make Σ_j M_j y_j the deformed position of a point of the surface: the
 /// levers of its nodes, and the constant Σ_j w_j n_j that is to be added.
 #[derive(Debug, Default)]
 pub(crate) struct Levers {

@@ -5,7 +5,7 @@ use crate::constants::steps::{
     COARSE_LEAST, COARSE_STEPS, CONTINUING_STEPS, FULL_STEPS, RELAXATION, STALL, STIFF, STILL,
 };
 
-/// Which matches a step works with.
+/// The kind of matches that a step works with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// Samples, nearest in position, normal and reach together.

@@ -65,8 +65,8 @@ impl FitTarget {
         })
     }
 
-    /// How a surface, given by `points` (`#P × 3`) and its normals there (of any length), deviates
-    /// from the target.
+    /// The deviation of a surface, given by `points` (`#P × 3`) and its normals there (of any
+    /// length), from the target.
     pub fn deviation(&self, points: &[Vec3], normals: &[Vec3]) -> Deviation {
         let (mut squared, mut bend) = (0.0, 0.0);
         for (closest, &normal) in self.tree.closest_all(points).iter().zip(normals) {

@@ -4,6 +4,7 @@ use super::read::{Parsed, read_file};
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, Place, ReadOptions};
 use kn_bitstream::params::BodyPart;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// The labels that `options` ask for, checked; what is used up is taken out of `parsed`.
@@ -31,10 +32,18 @@ pub(super) fn take_labels(
 /// Reads a label file: one integer per line and vertex, in the order of the vertices.
 ///
 /// # Errors
-/// A line is no integer, a label is above `max_label`, or there are not `vertices` labels.
+/// A line is not an integer, a label is above `max_label`, or there are not `vertices` labels.
 pub fn read_labels(path: &Path, vertices: usize, max_label: u8) -> Result<Vec<u8>, MeshError> {
     let bytes = read_file(path)?;
     parse_labels(&bytes, vertices, max_label).map_err(|fault| fault.at(path))
+}
+
+/// Writes labels as [`read_labels`] reads them: one integer a line.
+///
+/// # Errors
+/// The writer fails.
+pub fn write_labels(mut out: impl Write, labels: &[u8]) -> io::Result<()> {
+    labels.iter().try_for_each(|label| writeln!(out, "{label}"))
 }
 
 fn parse_labels(bytes: &[u8], vertices: usize, max_label: u8) -> Result<Vec<u8>, Fault> {
@@ -44,7 +53,7 @@ fn parse_labels(bytes: &[u8], vertices: usize, max_label: u8) -> Result<Vec<u8>,
         let Some(word) = words.next() else { continue };
         let place = Place::Line(number);
         let Some(label) = parse::<i64>(word) else {
-            return Err(place.malformed(format!("{} is no integer", shown(word))));
+            return Err(place.malformed(format!("{} is not an integer", shown(word))));
         };
         if words.next().is_some() {
             return Err(place.malformed("more than one label in a line"));
@@ -112,6 +121,10 @@ mod tests {
 
     #[test]
     fn a_label_file_is_one_integer_a_line() {
+        let mut written = Vec::new();
+        write_labels(&mut written, &[0, 13, 7]).expect("memory");
+        assert_eq!(written, b"0\n13\n7\n");
+        assert_eq!(parse_labels(&written, 3, 14).expect("good"), [0, 13, 7]);
         assert_eq!(parse_labels(b"0\r\n13\n# done\n\n7", 3, 14).expect("good"), [0, 13, 7]);
         assert_eq!(message(parse_labels(b"0\n1\n", 3, 14)), "f.labels: 2 labels for 3 vertices");
         assert_eq!(
@@ -119,7 +132,9 @@ mod tests {
             "f.labels, line 2: label 15 is out of range: labels are 0 to 14"
         );
         assert!(message(parse_labels(b"-1\n", 1, 14)).contains("label -1 is out of range"));
-        assert!(message(parse_labels(b"head\n", 1, 14)).contains("line 1: \"head\" is no integer"));
+        assert!(
+            message(parse_labels(b"head\n", 1, 14)).contains("line 1: \"head\" is not an integer")
+        );
         assert!(message(parse_labels(b"1 2\n", 2, 14)).contains("more than one label"));
     }
 

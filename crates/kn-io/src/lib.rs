@@ -36,7 +36,7 @@ pub use atomic::write_atomically;
 pub use error::{MeshError, MeshErrorKind, Place};
 pub use gltf::GlbWriter;
 pub use inputs::{Frames, InputFrame, Inputs};
-pub use labels::read_labels;
+pub use labels::{read_labels, write_labels};
 pub use notes::ReadNotes;
 pub use read::{LabelSource, MAX_FILE_BYTES, ReadOptions, Scan, read_mesh};
 pub use write::{check_scalar_format, write_mesh, write_mesh_with_scalar};

@@ -100,7 +100,7 @@ impl ObjReader {
         let mut count = 0;
         for word in words {
             let Some(number) = parse::<f32>(word) else {
-                return Err(self.malformed(format!("{} is no number", shown(word))));
+                return Err(self.malformed(format!("{} is not a number", shown(word))));
             };
             if !number.is_finite() {
                 return Err(Place::Line(self.line).fault(MeshErrorKind::NotFinite));
@@ -130,7 +130,7 @@ impl ObjReader {
         self.corners.clear();
         for word in words {
             let index = position_index(word)
-                .ok_or_else(|| self.malformed(format!("{} is no face corner", shown(word))))?;
+                .ok_or_else(|| self.malformed(format!("{} is not a face corner", shown(word))))?;
             let vertex = self.vertex_of(index)?;
             self.corners.push(vertex);
         }
@@ -168,7 +168,7 @@ impl ObjReader {
         let plausible = keyword.len() <= 16
             && keyword.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_');
         if !plausible {
-            return Err(self.malformed(format!("{} is no OBJ statement", shown(keyword))));
+            return Err(self.malformed(format!("{} is not an OBJ statement", shown(keyword))));
         }
         self.parsed.notes.ignore(format!("statements {}", shown(keyword)), 1);
         Ok(())

@@ -38,7 +38,7 @@ pub(super) fn read_off(bytes: &[u8]) -> Result<Parsed, Fault> {
 }
 
 fn count(word: &[u8], place: Place) -> Result<usize, Fault> {
-    parse(word).ok_or_else(|| place.malformed(format!("{} is no count", shown(word))))
+    parse(word).ok_or_else(|| place.malformed(format!("{} is not a count", shown(word))))
 }
 
 fn read_vertex(words: &[&[u8]], place: Place, parsed: &mut Parsed) -> Result<(), Fault> {
@@ -47,8 +47,8 @@ fn read_vertex(words: &[&[u8]], place: Place, parsed: &mut Parsed) -> Result<(),
     };
     let mut position = [0f32; 3];
     for (coordinate, word) in position.iter_mut().zip([x, y, z]) {
-        *coordinate =
-            parse(word).ok_or_else(|| place.malformed(format!("{} is no number", shown(word))))?;
+        *coordinate = parse(word)
+            .ok_or_else(|| place.malformed(format!("{} is not a number", shown(word))))?;
     }
     if !position.iter().all(|coordinate| coordinate.is_finite()) {
         return Err(place.fault(MeshErrorKind::NotFinite));
@@ -72,8 +72,8 @@ fn read_face(
     let (indices, rest) = words[1..].split_at(corners);
     let mut face = Vec::with_capacity(corners);
     for word in indices {
-        let index: i64 =
-            parse(word).ok_or_else(|| place.malformed(format!("{} is no index", shown(word))))?;
+        let index: i64 = parse(word)
+            .ok_or_else(|| place.malformed(format!("{} is not an index", shown(word))))?;
         match u32::try_from(index) {
             Ok(vertex) if (vertex as usize) < vertices => face.push(vertex),
             _ => return Err(place.fault(MeshErrorKind::FaceIndex { index, vertices })),

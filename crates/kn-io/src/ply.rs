@@ -202,7 +202,7 @@ fn whole(value: f64, place: Place, what: &str) -> Result<i64, Fault> {
     if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
         Ok(value as i64)
     } else {
-        Err(place.malformed(format!("{what} {value} is no integer")))
+        Err(place.malformed(format!("{what} {value} is not an integer")))
     }
 }
 

@@ -87,7 +87,7 @@ impl<'a> Values<'a> {
                     ScalarType::Float => parse::<f32>(word).map(f64::from),
                     _ => parse::<f64>(word),
                 };
-                value.ok_or_else(|| place.malformed(format!("{} is no number", shown(word))))
+                value.ok_or_else(|| place.malformed(format!("{} is not a number", shown(word))))
             }
             Source::Binary { .. } => self.binary(data_type),
         }
@@ -126,7 +126,7 @@ impl<'a> Values<'a> {
         let length = self.scalar(data_type)?;
         if length < 0.0 || length.fract() != 0.0 || length > f64::from(u32::MAX) {
             let (name, at) = self.element;
-            let what = format!("{length} is no length for a list of {name} {at}");
+            let what = format!("{length} is not a length for a list of {name} {at}");
             return Err(self.place(Place::File).malformed(what));
         }
         Ok(length as u64)

@@ -1,4 +1,4 @@
-//! Which files a folder, a glob or a printf pattern means, in which order, and whether one of a
+//! The files that a folder, a glob or a printf pattern names, in their order, and whether one of a
 //! numbered sequence is missing.
 
 use super::{MeshError, MeshErrorKind, MeshFormat};
@@ -214,8 +214,8 @@ fn natural_order(a: &str, b: &str) -> Ordering {
     runs(a).len().cmp(&runs(b).len()).then_with(|| a.cmp(b))
 }
 
-/// Which run of the names is their common number: the names differ in this run of digits and in
-/// nothing else. `None` where the names are not numbered like that.
+/// The index of the run that is the common number of the names: they differ in this run of digits
+/// and in nothing else. `None` where the names are not numbered like that.
 fn common_number(names: &[Vec<&str>]) -> Option<usize> {
     let first = names.first()?;
     let mut varying = None;

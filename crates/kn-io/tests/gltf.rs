@@ -288,14 +288,16 @@ fn broken_scenes_are_named() {
     let with = |from: &str, to: &str| message(&ONE_TRIANGLE.replace(from, to), &floats(&CORNERS));
     assert!(with("\"count\": 3", "\"count\": 4").contains("accessor 0 reaches outside its buffer"));
     assert!(with("\"byteLength\": 36", "\"byteLength\": 35").contains("outside its buffer"));
-    assert!(with("\"count\": 3", "\"count\": 2").contains("2 face indices are no triangles"));
+    assert!(
+        with("\"count\": 3", "\"count\": 2").contains("2 face indices do not make whole triangles")
+    );
     assert!(with("\"POSITION\": 0", "\"POSITION\": 7").contains("accessor 7 does not exist"));
     assert!(with("\"POSITION\": 0", "\"NORMAL\": 0").contains("a primitive has no POSITION"));
     assert!(with("{\"mesh\": 0}", "{\"mesh\": 3}").contains("the mesh of node 0 does not exist"));
-    assert!(with("{\"mesh\": 0}", "{\"children\": [0]}").contains("the nodes are no tree"));
+    assert!(with("{\"mesh\": 0}", "{\"children\": [0]}").contains("the nodes are not a tree"));
     assert!(with("{\"mesh\": 0}", "{\"children\": [9]}").contains("node 9 does not exist"));
     let twice = "\"scenes\": [{\"nodes\": [0, 0]}], \"nodes\"";
-    assert!(with("\"nodes\"", twice).contains("node 0 is no root of scene 0"));
+    assert!(with("\"nodes\"", twice).contains("node 0 is not a root of scene 0"));
     assert!(with("5126", "9999").contains("accessor 0 has an unknown type"));
     assert!(with("VEC3", "VEC2").contains("accessor 0 should have 3 components"));
     assert!(with("\"buffer\": 0", "\"buffer\": 5").contains("outside its buffer"));
@@ -329,7 +331,7 @@ fn buffers_lie_beside_the_file_and_nowhere_else() {
     assert_eq!(write("a%20b.bin").expect("readable").mesh.faces.len(), 1);
     for uri in ["../a.bin", "/dev/zero", "http://example.org/a.bin", "absent.bin"] {
         let message = write(uri).expect_err("refused").to_string();
-        assert!(message.contains("is no file beside it"), "{uri}: {message}");
+        assert!(message.contains("is not a file beside it"), "{uri}: {message}");
     }
     std::fs::write(folder.path().join("a.bin"), floats(&CORNERS[..5])).expect("written");
     let message = write("a.bin").expect_err("short").to_string();

@@ -103,16 +103,16 @@ fn broken_obj_files_name_the_line_and_the_reason() {
     assert!(with("f 0 1 2\n").contains("line 4: face index 0 is out of range"));
     assert!(with("f 1 2\n").contains("line 4: a face needs at least 3 corners, this one has 2"));
     assert!(with("f\n").contains("this one has 0"));
-    assert!(with("f 1 2 x\n").contains("line 4: \"x\" is no face corner"));
+    assert!(with("f 1 2 x\n").contains("line 4: \"x\" is not a face corner"));
     for corner in ["1/x", "1//", "1/1/1/1", "/1", "1.0", "99999999999999999999"] {
-        assert!(with(&format!("f 1 2 {corner}\n")).contains("is no face corner"), "{corner}");
+        assert!(with(&format!("f 1 2 {corner}\n")).contains("is not a face corner"), "{corner}");
     }
     assert_eq!(with("v 0 nan 0\n"), "a.obj, line 4: a coordinate is NaN or infinite");
     assert!(with("v 0 -inf 0\n").contains("NaN or infinite"));
     assert!(with("v 0 1e39 0\n").contains("NaN or infinite"));
     assert!(with("v 0 0\n").contains("line 4: a vertex has 3 coordinates, not 2"));
-    assert!(with("v 0 0 abc\n").contains("\"abc\" is no number"));
-    assert!(with("f 1 2 3\n\u{1}\u{2}\n").contains("is no OBJ statement"));
+    assert!(with("v 0 0 abc\n").contains("\"abc\" is not a number"));
+    assert!(with("f 1 2 3\n\u{1}\u{2}\n").contains("is not an OBJ statement"));
     assert_eq!(with(""), "a.obj: the mesh has no faces");
     assert_eq!(message("a.obj", ""), "a.obj: the file is empty");
     assert_eq!(message("a.obj", "# nothing\n"), "a.obj: the mesh has no vertices");
@@ -180,8 +180,8 @@ fn broken_ply_files_name_the_place_and_the_reason() {
     assert!(with("8 3 0 2 1", "8 2 0 2").contains("line 25: a face needs at least 3 corners"));
     assert!(with("8 3 0 2 1", "8 3 0 2").contains("line 25: the line has too few values"));
     assert!(with("8 3 0 2 1", "8 3 0 2 1 1").contains("line 25: \"1\" is one value too many"));
-    assert!(with("8 3 0 2 1", "8 -3 0 2").contains("-3 is no length for a list of face 1"));
-    assert!(with("8 3 0 2 1", "8 3 0 2 1.5").contains("face index 1.5 is no integer"));
+    assert!(with("8 3 0 2 1", "8 -3 0 2").contains("-3 is not a length for a list of face 1"));
+    assert!(with("8 3 0 2 1", "8 3 0 2 1.5").contains("face index 1.5 is not an integer"));
     assert!(with("1 1 0 1 0 153", "1 nan 0 1 0 153").contains("line 22: a coordinate is NaN"));
     assert!(with("0 153 51 5", "0 153 51 99").contains("vertex 2: label 99 is out of range"));
     assert!(with("element edge 1", "element edge 2").contains("ends early: edge 1 of 2"));

@@ -6,7 +6,7 @@ use crate::TriangleMesh;
 /// The entry of a vertex map for a vertex that was dropped.
 pub const DROPPED: u32 = u32::MAX;
 
-/// Which vertices of a mesh are kept, and the number that each gets.
+/// The vertices of a mesh that are kept, and the number that each gets.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VertexMap {
     /// `#V of the input`: the vertex that each becomes, or [`DROPPED`].

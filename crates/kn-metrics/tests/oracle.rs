@@ -1,4 +1,5 @@
-//! All mesh pairs of the oracle (`docs/data.md`) against the values of independent reference programs.
+//! All mesh pairs of the oracle (`docs/data.md`) against the values of independent reference
+//! programs.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -72,7 +73,7 @@ fn allowed(row: &HashMap<String, String>, prefix: &str) -> f64 {
     }
 }
 
-/// What is wrong with the symmetric score and with those of both directions; these may move three
+/// Errors of the symmetric score and of those of both directions; these may move three
 /// times as far, since their errors partly cancel in the mean.
 fn errors(
     row: &HashMap<String, String>,

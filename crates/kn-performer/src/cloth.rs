@@ -19,7 +19,7 @@ const DAMPING: f64 = 0.24;
 const WINDOW: usize = 26;
 const STEP: f64 = 0.04;
 
-/// How the skirt hangs at one moment, in the pelvis' frame; all zero at rest.
+/// The shape of the hanging skirt at one moment, in the pelvis' frame; all zero at rest.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Skirt {
     /// Shift of the hem along x and z, metres.

@@ -35,7 +35,8 @@ pub(super) struct Scene {
     /// Wrinkles of moving cloth wander, and deepen where a joint bends: one strength a primitive.
     strength: Vec<f64>,
     drift: DVec3,
-    /// How far each primitive reaches beyond itself by the blends that follow it in its group.
+    /// The distance by which each primitive reaches beyond itself, from the blends that follow it
+    /// in its group.
     reach: Vec<f64>,
 }
 
@@ -171,7 +172,7 @@ impl Scene {
         whole
     }
 
-    /// What is added to the distance of group `index` when `region` is looked at alone: nothing
+    /// The addition to the distance of group `index` when `region` is looked at alone: nothing
     /// for the region itself, more and more away from the joint for a neighbour, and 0.5 m or
     /// more for what is to be left out.
     pub(super) fn fading(&self, region: usize, index: usize, at: DVec3) -> f64 {
@@ -204,7 +205,7 @@ impl Scene {
         limb.map_or(label, |limb| labels[limb][self.section(at, limbs[limb])])
     }
 
-    /// Which of the three bones of a limb a point of it belongs to; planes that halve the angle
+    /// The bone, of the three of a limb, that a point of it belongs to; planes that halve the angle
     /// at each joint divide them.
     fn section(&self, at: DVec3, first: usize) -> usize {
         let bones = &self.pose.bones[first..first + 3];

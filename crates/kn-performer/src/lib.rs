@@ -201,7 +201,7 @@ impl Performer {
         Mesh::new(positions, surface.faces).with_labels(labels)
     }
 
-    /// Where the surface points of a mesh of frame `from` are in frame `to`: `#V × 3` true
+    /// The places in frame `to` of the surface points of a mesh of frame `from`: `#V × 3` true
     /// positions, one for each vertex of `mesh`. Labels tell touching parts apart; a mesh without
     /// labels gets them from the figure.
     ///

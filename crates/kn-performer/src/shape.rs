@@ -201,8 +201,8 @@ pub(super) struct Wrinkles {
 }
 
 impl Wrinkles {
-    /// How far the surface bulges at `at`, a point at `distance` from it; fades with distance so
-    /// that the field stays continuous where wrinkles no longer matter.
+    /// Height of the wrinkle at `at`, a point at `distance` from the surface; it fades with
+    /// distance so that the field stays continuous where wrinkles no longer matter.
     pub(super) fn height(&self, at: DVec3, distance: f64, drift: DVec3, strength: f64) -> f64 {
         const REACH: f64 = 0.04;
         let share = 1.0 - (distance / REACH) * (distance / REACH);

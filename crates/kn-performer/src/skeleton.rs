@@ -74,7 +74,8 @@ impl Proportions {
     }
 }
 
-/// Where an arm should go. All vectors in the chest's frame, x outwards on either side.
+/// The pose that an arm should take. All vectors are in the chest's frame, x outwards on either
+/// side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArmTarget {
     /// Wrist relative to the resting shoulder, metres.

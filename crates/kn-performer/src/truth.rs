@@ -41,7 +41,7 @@ fn region(scene: &Scene, label: u8) -> usize {
 }
 
 impl Flow<'_> {
-    /// Where the surface point `at` of the source scene is in the target scene.
+    /// The place in the target scene of the surface point `at` of the source scene.
     pub(super) fn carry(&self, at: DVec3, label: u8) -> DVec3 {
         let region = region(self.rest, label);
         if self.rest.groups[region].joint == BALL {
@@ -77,7 +77,7 @@ impl Flow<'_> {
         self.rest.pose.bones[bone].rotation * turned
     }
 
-    /// Where `scene` has the material point `at`.
+    /// The place of the material point `at` in `scene`.
     fn forward(&self, at: DVec3, region: usize, scene: &Scene) -> DVec3 {
         let level = self.rest.region_value(at, region);
         let weights = weights(self.rest, at, region);

@@ -1,4 +1,4 @@
-//! What the rest of the workspace relies on when it runs on the synthetic performer.
+//! Properties of the synthetic performer that the rest of the workspace relies on.
 
 use kn_mesh::Mesh;
 use kn_performer::{Action, Performer, PerformerConfig, part};
@@ -16,7 +16,7 @@ fn performer(config: PerformerConfig) -> Performer {
     Performer::new(config).expect("allowed settings")
 }
 
-/// How often every directed edge occurs.
+/// The number of times that every directed edge occurs.
 fn directed_edges(mesh: &Mesh) -> HashMap<[u32; 2], usize> {
     let mut edges = HashMap::new();
     for f in &mesh.faces {

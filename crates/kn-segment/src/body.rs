@@ -2,6 +2,8 @@
 //! lengths are metres of a body 1.75 m tall, y up, facing +z, its left at +x.
 
 use super::V3;
+use kn_bitstream::params::BodyPart;
+use kn_bitstream::params::BodyPart::*;
 
 /// Number of joints.
 pub(super) const JOINTS: usize = 21;
@@ -47,6 +49,7 @@ pub(super) type Anchor = &'static [(usize, f64)];
 
 /// A tapered capsule of the template.
 pub(super) struct Capsule {
+    /// Label of its body part.
     pub(super) part: u8,
     pub(super) a: Anchor,
     pub(super) b: Anchor,
@@ -54,8 +57,8 @@ pub(super) struct Capsule {
     pub(super) radii: [f64; 2],
 }
 
-const fn bone(part: u8, a: Anchor, b: Anchor, ra: f64, rb: f64) -> Capsule {
-    Capsule { part, a, b, radii: [ra, rb] }
+const fn bone(part: BodyPart, a: Anchor, b: Anchor, ra: f64, rb: f64) -> Capsule {
+    Capsule { part: part.label(), a, b, radii: [ra, rb] }
 }
 
 /// Number of capsules.
@@ -68,40 +71,40 @@ pub(super) const FIRST_TORSO: usize = 16;
 pub(super) const THIGHS: [usize; 2] = [8, 12];
 
 pub(super) static BODY: [Capsule; CAPSULES] = [
-    bone(0, &[(JAW, 1.0)], &[(CROWN, 1.0)], 0.080, 0.085),
-    bone(0, &[(NECK, 1.0)], &[(JAW, 1.0)], 0.062, 0.058),
-    bone(1, &[(5, 1.0)], &[(6, 1.0)], 0.060, 0.045),
-    bone(2, &[(6, 1.0)], &[(7, 1.0)], 0.044, 0.030),
-    bone(3, &[(7, 1.0)], &[(8, 1.0)], 0.030, 0.028),
-    bone(4, &[(9, 1.0)], &[(10, 1.0)], 0.060, 0.045),
-    bone(5, &[(10, 1.0)], &[(11, 1.0)], 0.044, 0.030),
-    bone(6, &[(11, 1.0)], &[(12, 1.0)], 0.030, 0.028),
-    bone(8, &[(13, 1.0)], &[(14, 1.0)], 0.088, 0.062),
-    bone(9, &[(14, 1.0)], &[(15, 1.0)], 0.060, 0.045),
-    bone(10, &[(15, 1.0)], &[(16, 1.0)], 0.045, 0.035),
-    bone(10, &[(15, 1.0)], &[(15, 1.37), (14, -0.12), (16, -0.25)], 0.042, 0.036),
-    bone(11, &[(17, 1.0)], &[(18, 1.0)], 0.088, 0.062),
-    bone(12, &[(18, 1.0)], &[(19, 1.0)], 0.060, 0.045),
-    bone(13, &[(19, 1.0)], &[(20, 1.0)], 0.045, 0.035),
-    bone(13, &[(19, 1.0)], &[(19, 1.37), (18, -0.12), (20, -0.25)], 0.042, 0.036),
+    bone(Head, &[(JAW, 1.0)], &[(CROWN, 1.0)], 0.080, 0.085),
+    bone(Head, &[(NECK, 1.0)], &[(JAW, 1.0)], 0.062, 0.058),
+    bone(LeftUpperArm, &[(5, 1.0)], &[(6, 1.0)], 0.060, 0.045),
+    bone(LeftLowerArm, &[(6, 1.0)], &[(7, 1.0)], 0.044, 0.030),
+    bone(LeftHand, &[(7, 1.0)], &[(8, 1.0)], 0.030, 0.028),
+    bone(RightUpperArm, &[(9, 1.0)], &[(10, 1.0)], 0.060, 0.045),
+    bone(RightLowerArm, &[(10, 1.0)], &[(11, 1.0)], 0.044, 0.030),
+    bone(RightHand, &[(11, 1.0)], &[(12, 1.0)], 0.030, 0.028),
+    bone(LeftThigh, &[(13, 1.0)], &[(14, 1.0)], 0.088, 0.062),
+    bone(LeftLeg, &[(14, 1.0)], &[(15, 1.0)], 0.060, 0.045),
+    bone(LeftFoot, &[(15, 1.0)], &[(16, 1.0)], 0.045, 0.035),
+    bone(LeftFoot, &[(15, 1.0)], &[(15, 1.37), (14, -0.12), (16, -0.25)], 0.042, 0.036),
+    bone(RightThigh, &[(17, 1.0)], &[(18, 1.0)], 0.088, 0.062),
+    bone(RightLeg, &[(18, 1.0)], &[(19, 1.0)], 0.060, 0.045),
+    bone(RightFoot, &[(19, 1.0)], &[(20, 1.0)], 0.045, 0.035),
+    bone(RightFoot, &[(19, 1.0)], &[(19, 1.37), (18, -0.12), (20, -0.25)], 0.042, 0.036),
     // Shoulder girdle, then a left and a right column in chest and pelvis.
-    bone(7, &[(5, 0.75), (9, 0.25)], &[(5, 0.25), (9, 0.75)], 0.070, 0.070),
+    bone(Torso, &[(5, 0.75), (9, 0.25)], &[(5, 0.25), (9, 0.75)], 0.070, 0.070),
     bone(
-        7,
+        Torso,
         &[(5, 0.45), (9, 0.05), (CHEST, 0.5)],
         &[(WAIST, 1.0), (13, 0.35), (17, -0.35)],
         0.105,
         0.105,
     ),
     bone(
-        7,
+        Torso,
         &[(9, 0.45), (5, 0.05), (CHEST, 0.5)],
         &[(WAIST, 1.0), (17, 0.35), (13, -0.35)],
         0.105,
         0.105,
     ),
-    bone(7, &[(WAIST, 1.0), (13, 0.35), (17, -0.35)], &[(13, 0.85), (17, 0.15)], 0.105, 0.115),
-    bone(7, &[(WAIST, 1.0), (17, 0.35), (13, -0.35)], &[(17, 0.85), (13, 0.15)], 0.105, 0.115),
+    bone(Torso, &[(WAIST, 1.0), (13, 0.35), (17, -0.35)], &[(13, 0.85), (17, 0.15)], 0.105, 0.115),
+    bone(Torso, &[(WAIST, 1.0), (17, 0.35), (13, -0.35)], &[(17, 0.85), (13, 0.15)], 0.105, 0.115),
 ];
 
 /// A pair of joints that keep their distance.

@@ -4,22 +4,23 @@ use super::error::SegmentError;
 use super::pieces::{Piece, pieces};
 use super::surface::Surface;
 use super::{LABELS, OTHER, V3};
-use kn_bitstream::params::{BodyPart, UpAxis};
+use kn_bitstream::params::{BodyPart, Named, UpAxis};
+use std::fmt;
 
 /// A warning about given labels: something that looks wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LabelWarning {
     /// A part lies in two pieces that are far from each other.
     Split {
-        /// Its label.
-        part: u8,
+        /// The part.
+        part: BodyPart,
         /// Gap between the two largest pieces, as a share of the mesh's height.
         gap: f64,
     },
     /// A part is attached to the other side's limb.
     WrongSide {
-        /// Its label.
-        part: u8,
+        /// The part.
+        part: BodyPart,
     },
     /// Feet point backwards: left and right are exchanged everywhere.
     SidesSwapped,
@@ -28,6 +29,32 @@ pub enum LabelWarning {
         /// The label.
         label: u8,
     },
+}
+
+impl LabelWarning {
+    /// Whether both warnings are of the same kind and about the same part or label. The gaps of a
+    /// part in two pieces may differ.
+    pub fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Split { part: own, .. }, Self::Split { part, .. }) => own == part,
+            _ => self == other,
+        }
+    }
+}
+
+impl fmt::Display for LabelWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Split { part, gap } => {
+                write!(f, "{part} lies in two pieces, {:.0} % of the height apart", 1e2 * gap)
+            }
+            Self::WrongSide { part } => write!(f, "{part} grows from a limb of the other side"),
+            Self::SidesSwapped => {
+                f.write_str("left and right are swapped: the feet point backwards")
+            }
+            Self::Unknown { label } => write!(f, "label {label} is not a body part"),
+        }
+    }
 }
 
 /// Parts and the part of the same side that each grows from.
@@ -40,6 +67,12 @@ const GROWS_FROM: [(BodyPart, BodyPart); 8] = [
     (BodyPart::LeftFoot, BodyPart::LeftLeg),
     (BodyPart::RightLeg, BodyPart::RightThigh),
     (BodyPart::RightFoot, BodyPart::RightLeg),
+];
+
+/// Thigh, leg and foot of each side.
+const LEGS: [[BodyPart; 3]; 2] = [
+    [BodyPart::LeftThigh, BodyPart::LeftLeg, BodyPart::LeftFoot],
+    [BodyPart::RightThigh, BodyPart::RightLeg, BodyPart::RightFoot],
 ];
 
 /// Checks `labels` (`#V`) against the mesh (`positions` `#V × 3`, `faces` `#F × 3`).
@@ -78,8 +111,8 @@ fn split_parts(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning
     let height = surface.height();
     let mut pieces = pieces(surface, labels);
     pieces.sort_by(|a, b| b.area.total_cmp(&a.area));
-    for part in 0..OTHER {
-        let mut own = pieces.iter().filter(|piece| piece.label == part);
+    for part in BodyPart::all().into_iter().filter(|&part| part != BodyPart::Other) {
+        let mut own = pieces.iter().filter(|piece| piece.label == part.label());
         let (Some(first), Some(second)) = (own.next(), own.next()) else { continue };
         let gap = gap(surface, first, second) / height;
         if second.area > LARGE * first.area && gap > FAR {
@@ -107,17 +140,12 @@ fn wrong_sides(surface: &Surface, labels: &[u8], warnings: &mut Vec<LabelWarning
             touching[usize::from(labels[v])][usize::from(labels[u as usize])] += 1;
         }
     }
-    for (part, root) in GROWS_FROM.map(|(part, from)| (part.label(), from.label())) {
-        let row = &touching[usize::from(part)];
-        if row[usize::from(other_side(root))] > 2 * row[usize::from(root)] {
+    for (part, root) in GROWS_FROM {
+        let row = &touching[part.index()];
+        if row[root.mirrored().index()] > 2 * row[root.index()] {
             warnings.push(LabelWarning::WrongSide { part });
         }
     }
-}
-
-/// The same part on the other side.
-fn other_side(part: u8) -> u8 {
-    BodyPart::from_label(part).map_or(part, |part| part.mirrored().label())
 }
 
 /// Whether both feet point clearly to the back, as left and right have it.
@@ -125,21 +153,24 @@ fn swapped(surface: &Surface, labels: &[u8]) -> bool {
     /// Sum over both feet: standing on them it is about 0.5; hanging down they say little.
     const BACKWARDS: f64 = -0.15;
     let centres = centres(surface, labels);
-    let way = |from: usize, to: usize| (centres[to]? - centres[from]?).try_normalize(1e-12);
+    let leftwards = |left: BodyPart| {
+        let (left, right) = (centres[left.index()]?, centres[left.mirrored().index()]?);
+        (left - right).try_normalize(1e-12)
+    };
     // Shoulders and hips; what hangs from them also moves forwards and backwards.
-    let left = [(4, 1), (11, 8)].iter().filter_map(|&(r, l)| way(r, l));
+    let left = [BodyPart::LeftUpperArm, BodyPart::LeftThigh].into_iter().filter_map(leftwards);
     let Some(front) = left.fold(V3::zeros(), |s, w| s + w).cross(&V3::y()).try_normalize(0.1)
     else {
         return false;
     };
-    let feet = [8, 11].map(|thigh| toes(surface, labels, thigh, &front));
+    let feet = LEGS.map(|leg| toes(surface, labels, leg, &front));
     let [Some(one), Some(other)] = feet else { return false };
     one + other < BACKWARDS
 }
 
-/// How much farther a foot reaches towards `front` than away from it, in lengths of its leg.
-fn toes(surface: &Surface, labels: &[u8], thigh: u8, front: &V3) -> Option<f64> {
-    let [leg, foot] = [thigh + 1, thigh + 2];
+/// Reach of a foot towards `front` minus its reach away from it, in lengths of its leg.
+fn toes(surface: &Surface, labels: &[u8], parts: [BodyPart; 3], front: &V3) -> Option<f64> {
+    let [thigh, leg, foot] = parts.map(BodyPart::label);
     let knee = border(surface, labels, thigh, leg)?;
     let ankle = border(surface, labels, leg, foot)?;
     let down = (ankle - knee).try_normalize(1e-12)?;

@@ -7,6 +7,10 @@ use super::hem::Hem;
 use super::label::distance;
 use super::surface::Surface;
 use super::{LABELS, OTHER, TORSO};
+use kn_bitstream::params::BodyPart;
+
+/// Labels of the parts that hanging cloth hides or adds to.
+const COVERED: [u8; 3] = [TORSO, BodyPart::LeftThigh.label(), BodyPart::RightThigh.label()];
 
 /// Confidence of every label, 0 to 1; 0 for a part without vertices.
 pub(super) fn confidence(surface: &Surface, fit: &Fit, hem: &Hem, labels: &[u8]) -> [f32; LABELS] {
@@ -34,7 +38,7 @@ pub(super) fn confidence(surface: &Surface, fit: &Fit, hem: &Hem, labels: &[u8])
             return 0.0;
         }
         // Less than half of the surface, or more than twice: something else is in the way.
-        let hidden = draped && [TORSO, 8, 11].contains(&(part as u8));
+        let hidden = draped && COVERED.contains(&(part as u8));
         let size = if wanted > 0.0 && !hidden {
             (2.0 * area / wanted).min(2.0 * wanted / area).min(1.0)
         } else {

@@ -21,7 +21,7 @@ const STEP: f64 = 0.018;
 pub(super) struct Hem {
     /// Depth under the hips in front and behind, metres.
     pub(super) depths: [f64; 2],
-    /// How far the cloth's distance from the thighs drops at the hem, metres.
+    /// The drop of the cloth's distance from the thighs at the hem, metres.
     pub(super) drop: f64,
 }
 

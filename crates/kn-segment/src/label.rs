@@ -16,7 +16,7 @@ type Costs = [f32; LABELS];
 /// its axis.
 const SURFACE: f64 = 0.5;
 const SMOOTHING: usize = 8;
-/// How much closer another part must be before a place changes its label, metres.
+/// The distance by which another part must be closer before a place changes its label, metres.
 const LOYALTY: f32 = 0.015;
 
 /// Vertices before they are labelled: their distances from every part.

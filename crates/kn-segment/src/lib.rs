@@ -39,5 +39,5 @@ type V3 = nalgebra::Vector3<f64>;
 pub const LABELS: usize = BodyPart::COUNT;
 /// Label of the torso. Head and arms come before it, the legs after it.
 pub const TORSO: u8 = BodyPart::Torso.label();
-/// Label of what is no body part.
+/// Label of what is not a body part.
 pub const OTHER: u8 = BodyPart::Other.label();

@@ -4,10 +4,16 @@ use super::V3;
 use super::fit::Posed;
 use super::label::Draft;
 use super::surface::Surface;
+use kn_bitstream::params::BodyPart;
 use nalgebra::{Matrix4, Vector4};
 
 /// Parts that hold things: lower arms and hands.
-const HOLDING: [u8; 4] = [2, 3, 5, 6];
+const HOLDING: [u8; 4] = [
+    BodyPart::LeftLowerArm.label(),
+    BodyPart::LeftHand.label(),
+    BodyPart::RightLowerArm.label(),
+    BodyPart::RightHand.label(),
+];
 /// A surface this far from a hand is not its own, metres.
 const BEYOND: f64 = 0.05;
 /// Smallest area of such surface, square metres: more than spread fingers or a cuff have.
@@ -60,7 +66,7 @@ fn ball_through(surface: &Surface, seeds: &[usize]) -> Option<Object> {
 }
 
 impl Object {
-    /// How far a point is from the object's surface; `outside` from the closest hand's.
+    /// Distance of a point from the object's surface; `outside` is that from the closest hand's.
     pub(super) fn cost(&self, point: &V3, outside: f64, holding: bool) -> Option<f64> {
         match self {
             Self::Ball(centre, radius) => {

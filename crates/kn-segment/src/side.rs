@@ -22,7 +22,7 @@ pub(super) fn evidence(fit: &Fit, samples: &Samples) -> f64 {
     sum
 }
 
-/// How far the middle joint stands off the line between the ends of a limb.
+/// The vector from the middle of the ends of a limb to its middle joint.
 fn bend(pose: &Pose, root: usize) -> V3 {
     pose[root + 1] - (pose[root] + pose[root + 2]) * 0.5
 }

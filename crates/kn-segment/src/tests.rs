@@ -166,21 +166,22 @@ fn true_labels_pass_the_check_and_mixed_up_ones_do_not() {
     let changed =
         |change: &dyn Fn(u8) -> u8| mesh.labels.iter().map(|&l| change(l)).collect::<Vec<_>>();
     assert_eq!(check(&mesh.labels), []);
-    let swapped = changed(&|l| match l {
-        1..=3 | 8..=10 => l + 3,
-        4..=6 | 11..=13 => l - 3,
-        _ => l,
-    });
+    let part = |label: u8| BodyPart::from_label(label).unwrap();
+    let swapped = changed(&|l| part(l).mirrored().label());
     assert_eq!(check(&swapped), [LabelWarning::SidesSwapped]);
-    let hands = changed(&|l| match l {
-        3 => 6,
-        6 => 3,
-        _ => l,
+    let hands = [BodyPart::LeftHand, BodyPart::RightHand];
+    let wrong = hands.map(|part| LabelWarning::WrongSide { part });
+    let hands = changed(&|l| {
+        let part = part(l);
+        if hands.contains(&part) { part.mirrored().label() } else { l }
     });
-    let wrong = [3, 6].map(|part| LabelWarning::WrongSide { part });
     assert_eq!(check(&hands), wrong);
-    let torn = check(&changed(&|l| if l == 13 { 0 } else { l }));
-    assert!(matches!(torn[..], [LabelWarning::Split { part: 0, gap }] if gap > 0.5), "{torn:?}");
+    let (head, foot) = (BodyPart::Head.label(), BodyPart::RightFoot.label());
+    let torn = check(&changed(&|l| if l == foot { head } else { l }));
+    let [LabelWarning::Split { part: BodyPart::Head, gap }] = torn[..] else {
+        panic!("{torn:?}");
+    };
+    assert!(gap > 0.5, "{gap}");
     assert_eq!(check(&changed(&|l| l + 2)), [LabelWarning::Unknown { label: 15 }; 1]);
     assert!(check_labels(&mesh.positions, &mesh.faces, &[], UpAxis::Y).is_err());
 }

@@ -9,7 +9,8 @@ use super::label::Draft;
 use super::memory::Memory;
 use super::surface::{Samples, Surface};
 use super::{LABELS, OTHER, TORSO, side, start};
-use kn_bitstream::params::{BodyPart, UpAxis};
+use kn_bitstream::params::{BodyPart, Named, UpAxis};
+use std::fmt;
 
 /// Settings of a [`Segmenter`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +44,12 @@ impl Segmentation {
         }
     }
 
+    /// The body parts that some vertex has, with the confidence of each, 0 to 1.
+    pub fn parts(&self) -> impl Iterator<Item = (BodyPart, f32)> {
+        let all = BodyPart::all().into_iter().zip(self.confidence);
+        all.filter(|(_, confidence)| *confidence > 0.0)
+    }
+
     /// Whether a person was found. If not, all of the frame is [`OTHER`].
     pub fn found_a_person(&self) -> bool {
         !self.warnings.contains(&SegmentWarning::NoPerson)
@@ -54,8 +61,8 @@ impl Segmentation {
 pub enum SegmentWarning {
     /// A part of an arm could not be told from the torso, and joined it.
     Joined {
-        /// Its label.
-        part: u8,
+        /// The part.
+        part: BodyPart,
     },
     /// Left and right could not be told apart clearly.
     SidesUnclear,
@@ -63,6 +70,19 @@ pub enum SegmentWarning {
     Lost,
     /// The body explains too little of the surface: no person was found.
     NoPerson,
+}
+
+impl fmt::Display for SegmentWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Joined { part } => {
+                write!(f, "{part} cannot be told from the body and joined the torso")
+            }
+            Self::SidesUnclear => f.write_str("nothing shows clearly which side is left"),
+            Self::Lost => f.write_str("the body was lost and searched anew"),
+            Self::NoPerson => f.write_str("no person was found: every vertex is Other"),
+        }
+    }
 }
 
 /// Segments the frames of one sequence, in their order.
@@ -313,11 +333,13 @@ fn label(surface: &Surface, fit: &Fit, hem: &Hem, past: Option<&Past>) -> (Vec<u
 /// Joins lower arms and hands of low confidence to the torso.
 fn join(labels: &mut [u8], confidence: &mut [f32; LABELS], warnings: &mut Vec<SegmentWarning>) {
     const DOUBTFUL: f32 = 0.2;
-    for part in [2u8, 3, 5, 6] {
-        let trust = &mut confidence[usize::from(part)];
-        if *trust < DOUBTFUL && labels.contains(&part) {
+    for part in
+        [BodyPart::LeftLowerArm, BodyPart::LeftHand, BodyPart::RightLowerArm, BodyPart::RightHand]
+    {
+        let (trust, label) = (&mut confidence[part.index()], part.label());
+        if *trust < DOUBTFUL && labels.contains(&label) {
             *trust = 0.0;
-            labels.iter_mut().filter(|l| **l == part).for_each(|l| *l = TORSO);
+            labels.iter_mut().filter(|l| **l == label).for_each(|l| *l = TORSO);
             warnings.push(SegmentWarning::Joined { part });
         }
     }

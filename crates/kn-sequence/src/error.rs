@@ -7,6 +7,7 @@ use kn_codec::DecodeError;
 use kn_io::MeshError;
 use kn_mesh::MeshFault;
 use kn_metrics::CompareError;
+use kn_segment::SegmentError;
 
 /// The reason why a sequence cannot be read or compared.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +25,16 @@ pub enum SequenceError {
         frame: usize,
         /// The fault of the scan.
         fault: ScanFault,
+    },
+    /// A scan cannot be segmented, or its labels cannot be checked.
+    #[error("{}: frame {frame}: {source}", file.display())]
+    Segment {
+        /// The file of the frame.
+        file: PathBuf,
+        /// Number of the frame.
+        frame: usize,
+        /// Why.
+        source: SegmentError,
     },
     /// A stream cannot be opened.
     #[error("{name}: {source}")]

@@ -2,6 +2,7 @@
 
 mod compare;
 mod error;
+mod labels;
 mod scan;
 mod sequence;
 mod stream;
@@ -12,6 +13,10 @@ pub use compare::{
 };
 pub use error::{ScanFault, SequenceError};
 pub use kn_metrics::{CompareOptions, Comparison, Metric};
+pub use labels::{
+    LabelFindings, LabelOrigin, LabelWarnings, LabelledScan, LabelledScans, RepeatedWarning,
+    check_scans, segment_scans,
+};
 pub use scan::{clean_scan, clean_surface};
 pub use sequence::{Frame, Frames, Sequence, SequenceOptions};
 pub use stream::{StreamReader, StreamSource};

@@ -72,7 +72,7 @@ pub(crate) fn item(item: &Item, name: &str) -> String {
     }
 }
 
-/// What belongs to an item: fields, variants, methods of a trait.
+/// The parts of an item: fields, variants, methods of a trait.
 pub(crate) fn parts(item: &Item) -> Vec<String> {
     match item {
         Item::Struct(item) => {

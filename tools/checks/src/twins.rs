@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use std::path::Path;
 use syn::{Item, Visibility};
 
-/// What two types are compared by.
+/// The properties by which two types are compared.
 struct Shape {
     place: String,
     name: String,

@@ -1,4 +1,4 @@
-//! Which rules have an example or a stream.
+//! The rules that have an example or a stream.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -36,7 +36,7 @@ impl Covered<'_> {
     }
 }
 
-/// What covers each rule.
+/// The examples and streams that cover each rule.
 ///
 /// A rule that asks something of streams is covered by an example or a stream that breaks it; any
 /// other rule by an example of its section, or by a stream that lists it.
@@ -72,7 +72,7 @@ pub struct Branch<'s> {
     pub fails: Vec<&'s str>,
 }
 
-/// Which streams take which branches of the syntax tables.
+/// The streams that take each branch of the syntax tables.
 ///
 /// # Errors
 /// A stream cannot be read.

@@ -2,9 +2,9 @@
 //! test notices: `cargo run --release -p kn-corpus -- flip`.
 //!
 //! A table's number is flipped in its CSV, and noticed where the Rust table is another then. A
-//! number of kn-deform is flipped in a copy of the workspace in `target/flip`, and noticed where the
-//! crate does not build or its tests fail. `--list` prints the numbers and flips none; a number N
-//! begins at the Nth, to go on where a run was ended.
+//! number of kn-deform is flipped in a copy of the workspace in `target/flip`, and noticed where
+//! the crate does not build or its tests fail. `--list` prints the numbers and flips none; a number
+//! N begins at the Nth, to go on where a run was ended.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -13,8 +13,8 @@ use anyhow::{Result, bail, ensure};
 use kn_conform::tables::{Table, TableError};
 use kn_corpus::rust_tables::{cauchy_source, levels_source};
 
-/// Numbers that no result depends on, by what stands in their line and which of it, all where that is
-/// empty.
+/// Numbers that no result depends on, by what stands in their line and which of it, all where that
+/// is empty.
 const NOT_NORMATIVE: [(&str, &str); 15] = [
     // Sizes of work units, of buffers, and what these are filled with before they are overwritten.
     ("const CHUNK", ""),
@@ -171,7 +171,7 @@ fn flipped(text: &str) -> String {
     others.next().unwrap_or_default()
 }
 
-/// How many of the numbers from `first` on no test notices.
+/// The number of literals, from `first` on, that no test notices.
 fn flip_sources(root: &Path, literals: &[Literal], first: usize) -> Result<usize> {
     let copy = root.join("target/flip");
     std::fs::create_dir_all(copy.join("workspace"))?;

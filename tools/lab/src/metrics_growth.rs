@@ -1,4 +1,4 @@
-//! How the metrics' CPU seconds grow with the meshes, as a table and as a picture:
+//! Growth of the metrics' CPU seconds with the meshes, as a table and as a picture:
 //! `cargo run --release -p kn-lab -- metrics-growth [PLOT.svg [VERTICES…]]`.
 
 use crate::clock::cpu_seconds;
@@ -14,7 +14,7 @@ use std::hint::black_box;
 const SIZES: [usize; 6] = [1_000, 3_000, 10_000, 20_000, 40_000, 100_000];
 const RUNS: usize = 5;
 
-/// What is timed, and the colour of its curve.
+/// The metrics that are timed, and the colours of their curves.
 const CURVES: [(&str, &str); 3] = [
     ("MSDM2, symmetric, with preparation", "#b5482a"),
     ("tree", "#2a6db5"),

@@ -1,4 +1,4 @@
-//! What each stage of MSDM2 and the closest points cost, in CPU milliseconds, fastest of ten runs:
+//! CPU milliseconds of each stage of MSDM2 and of the closest points, fastest of ten runs:
 //! `cargo run --release -p kn-lab -- metrics-stages [REFERENCE OTHER]`.
 //!
 //! Without arguments two frames of the performer are compared.

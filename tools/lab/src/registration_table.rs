@@ -2,11 +2,12 @@
 //!
 //! `cargo build --release && cargo run --release -p kn-lab -- registration-table [RUNS]`
 //!
-//! Every pair of `KN_DATA/pairs` (`docs/data.md`) is registered by the whole process, with the number of
-//! nodes of `spare_coarse_r5`, so many times (3). In brackets stands what is asked for: of the
-//! distances (1e-4 of the diagonal) the better of `spare_coarse_r5` and `proto_q4` on that pair, of
-//! CPU seconds a third of the former's, at most half a second, of the growth from 10 k to 40 k
-//! vertices four times. Seconds are the least of all runs, in hundredths; other work on the machine adds to them.
+//! Every pair of `KN_DATA/pairs` (`docs/data.md`) is registered by the whole process, with the
+//! number of nodes of `spare_coarse_r5`, so many times (3). In brackets stands what is asked for:
+//! of the distances (1e-4 of the diagonal) the better of `spare_coarse_r5` and `proto_q4` on that
+//! pair, of CPU seconds a third of the former's, at most half a second, of the growth from 10 k to
+//! 40 k vertices four times. Seconds are the least of all runs, in hundredths; other work on the
+//! machine adds to them.
 
 use anyhow::{Context, Result, ensure};
 use kn_io::{ReadOptions, read_mesh, write_mesh};
@@ -32,7 +33,7 @@ struct Pair {
     cpu: f64,
 }
 
-/// What came of it.
+/// The result of a registration.
 struct Measured {
     json: serde_json::Value,
     cpu: f64,

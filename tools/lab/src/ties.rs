@@ -1,4 +1,4 @@
-//! How far MSDM2 moves when nothing but the order of faces or the place in space changes, for the
+//! Change of MSDM2 when nothing but the order of faces or the place in space changes, for the
 //! oracle's pairs that are not within its tolerances:
 //! `cargo run --release -p kn-lab -- ties`. `docs/data.md` says what the oracle is.
 

@@ -5,7 +5,7 @@
 //! the metrics' oracle. A relative path starts at the root of the workspace. Where a variable is
 //! unset, `../shared/data` and `../shared/oracle` beside the checkout are taken if they exist.
 //!
-//! What is absent is skipped with one line on standard error for each test:
+//! Tests whose data is absent are skipped with one line on standard error each:
 //! `skipped: TEST: the sequence dancer is absent: set KN_DATA (docs/data.md)`. The line goes past
 //! the test harness's capture, so `.ci/run tests` can count it.
 

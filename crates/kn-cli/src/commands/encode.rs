@@ -1,13 +1,12 @@
 //! `kn encode`: encodes scans into a .knm file.
 
-mod label_checks;
 mod report;
 pub(crate) mod survey;
 mod vertex_maps;
 
 use crate::Outcome;
 use crate::arguments::Global;
-use crate::choices::{self, LabelArgument, named};
+use crate::choices::{self, named};
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
@@ -20,9 +19,8 @@ use kn_codec::{
     StepChoice, Summary,
 };
 use kn_io::{InputFrame, Inputs, ReadOptions};
-use kn_mesh::{Cleaned, Grid, Mesh};
-use kn_segment::check_labels;
-use kn_sequence::{SequenceError, clean_scan, clean_surface};
+use kn_mesh::{Cleaned, Grid};
+use kn_sequence::{LabelOrigin, SequenceError, clean_scan, clean_surface};
 use report::Report;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -67,10 +65,10 @@ pub(crate) struct EncodeArguments {
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
     /// Body parts of the vertices: a glob of .labels files, `auto` (found in the scans),
-    /// `colours` (of the vertices, by the palette), or `none` [default: a PLY property `label`
-    /// where there is one, else auto]
-    #[arg(long, value_name = "GLOB|auto|colours|none")]
-    labels: Option<LabelArgument>,
+    /// `colours` (of the vertices, by the palette), `property` (a PLY property `label`), or `none`
+    /// [default: property where there is one, else auto]
+    #[arg(long, value_name = "GLOB|auto|colours|property|none")]
+    labels: Option<LabelOrigin>,
     /// Unit of the coordinates; the stream carries it, the codec does not use it
     #[arg(long, value_parser = named::<UnitOfLength>())]
     #[arg(default_value_t = UnitOfLength::Unspecified)]
@@ -148,14 +146,10 @@ fn encode(
     for frame in inputs.frames() {
         let frame = frame?;
         let cleaned = clean(&frame)?;
+        report.labels.check(&frame.path, frame.index, &cleaned.mesh, up_axis);
         report.read(frame.path, &cleaned.report, frame.notes);
         if let Some(maps) = maps {
             maps.read(frame.name, cleaned.vertex_map);
-        }
-        if !cleaned.mesh.labels.is_empty() {
-            let Mesh { positions, faces, labels, .. } = &cleaned.mesh;
-            // A mesh that cannot be checked, since it has no area, can still be coded.
-            report.checked(check_labels(positions, faces, labels, up_axis).unwrap_or_default());
         }
         encoder.push(&cleaned.mesh)?;
         for frame in encoder.drain_reports() {
@@ -180,15 +174,8 @@ fn tell(frame: FrameReport, report: &mut Report, maps: &mut Option<VertexMaps>) 
 
 impl EncodeArguments {
     fn find_inputs(&self) -> Result<Inputs> {
-        let options = ReadOptions {
-            labels: LabelArgument::source(self.labels.as_ref()),
-            ..Default::default()
-        };
-        let inputs = Inputs::find(&self.inputs, options)?;
-        match &self.labels {
-            Some(LabelArgument::Files(pattern)) => Ok(inputs.with_labels(pattern)?),
-            _ => Ok(inputs),
-        }
+        let origin = self.labels.clone().unwrap_or_default();
+        Ok(origin.find_inputs(&self.inputs, ReadOptions::default())?)
     }
 
     /// Before any work.
@@ -204,19 +191,23 @@ impl EncodeArguments {
     /// The settings, checked before any file is read. The grid is fitted to the scans later.
     fn config(&self) -> Result<EncoderConfig> {
         let preset = self.preset.config();
-        let labels = LabelArgument::choice(self.labels.as_ref(), preset.intra.labels);
+        let labels = match self.labels {
+            None => preset.intra.labels,
+            Some(LabelOrigin::Auto) => LabelChoice::Auto,
+            Some(_) => LabelChoice::Given,
+        };
         let mut config = preset
             .with_frame_rate(self.fps)
             .with_unit(self.unit)
             .with_up_axis(self.up)
             .with_labels(labels)
             .with_vertex_maps(self.vertex_maps.is_some());
-        self.settings.apply(&mut config);
+        self.settings.apply(&mut config)?;
         if self.lossless {
             let any = Grid { origin: [0.0; 3], step: 1.0 };
             config = config.with_grid(GridChoice::Lossless(any)).with_group_length(1);
         }
-        let unlabelled = self.labels == Some(LabelArgument::None);
+        let unlabelled = self.labels == Some(LabelOrigin::None);
         if let Some(flag) = self.settings.needs_labels().filter(|_| unlabelled) {
             bail!("{flag} needs body parts, but --labels is none");
         }

@@ -7,18 +7,18 @@ use crate::choices::named;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
 use crate::table::table;
-use crate::{Outcome, parts, progress};
-use anyhow::{Context, Result, ensure};
+use crate::{Outcome, progress};
+use anyhow::{Result, ensure};
 use kn_bitstream::params::UpAxis;
-use kn_io::{InputFrame, Inputs, LabelSource, ReadOptions};
-use kn_mesh::{Cleaned, Mesh};
-use kn_segment::{SegmentOptions, Segmenter, check_labels};
-use kn_sequence::clean_scan;
+use kn_io::{Inputs, ReadOptions, write_labels};
+use kn_segment::{SegmentOptions, Segmentation};
+use kn_sequence::{
+    LabelFindings, LabelOrigin, LabelledScan, LabelledScans, check_scans, segment_scans,
+};
 use preview::Preview;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::collections::HashSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Find the body parts of scans: a .labels file for each, or a check of such files
@@ -85,26 +85,17 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
     let mut preview = arguments.preview.as_ref().map(|_| Preview::new(inputs.len()));
     let output = arguments.output.as_deref().map(|folder| LabelFiles::create(folder, outputs));
     let mut output = output.transpose()?;
-    let options = SegmentOptions { up_axis: arguments.up };
-    let mut segmenter = Segmenter::new(options);
     let bar = progress::bar(global, "segmenting", Some(inputs.len() as u64));
     let mut rows = Vec::new();
-    for frame in inputs.frames() {
-        let frame = frame?;
-        let named = || format!("{}: frame {}", frame.path.display(), frame.index);
-        let cleaned = clean_scan(&frame)?;
-        let (labels, row) = match arguments.check {
-            None => found(&mut segmenter, &frame, &cleaned).with_context(named)?,
-            Some(_) => checked(&frame, &cleaned, options).with_context(named)?,
-        };
+    for scan in arguments.label(&inputs) {
+        let scan = scan?;
         if let Some(output) = &mut output {
-            let of_file = cleaned.vertex_map.iter().map(|&vertex| labels[vertex as usize]);
-            output.push(&frame, of_file.collect())?;
+            output.push(&scan)?;
         }
+        rows.push(Row::of(&scan));
         if let Some(preview) = &mut preview {
-            preview.push(frame.index, &row.name, cleaned.mesh.with_labels(labels));
+            preview.push(scan.index, &scan.name, scan.mesh);
         }
-        rows.push(row);
         bar.step();
     }
     drop(bar);
@@ -119,12 +110,8 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
 
 impl SegmentArguments {
     fn find_inputs(&self) -> Result<Inputs> {
-        let options = ReadOptions { labels: LabelSource::None, ..ReadOptions::default() };
-        let inputs = Inputs::find(&self.inputs, options)?;
-        Ok(match &self.check {
-            Some(labels) => inputs.with_labels(labels)?,
-            None => inputs,
-        })
+        let labels = self.check.clone().map_or(LabelOrigin::None, LabelOrigin::Files);
+        Ok(labels.find_inputs(&self.inputs, ReadOptions::default())?)
     }
 
     /// Before any work.
@@ -136,52 +123,31 @@ impl SegmentArguments {
         }
         Ok(outputs)
     }
-}
 
-/// Labels that are found now, one for each vertex of the cleaned mesh.
-fn found(
-    segmenter: &mut Segmenter,
-    frame: &InputFrame,
-    cleaned: &Cleaned,
-) -> Result<(Vec<u8>, Row)> {
-    let found = segmenter.segment(&cleaned.mesh.positions, &cleaned.mesh.faces)?;
-    let row = Row {
-        trust: Some((found.trust * 1e3).round() / 1e3),
-        confidence: parts::confidence_json(&found.confidence),
-        doubts: found.warnings.iter().copied().map(parts::doubt).collect(),
-        good: found.found_a_person(),
-        ..Row::of(frame)
-    };
-    Ok((found.labels, row))
-}
-
-/// Labels that came with the scan, and what is odd about them.
-fn checked(
-    frame: &InputFrame,
-    cleaned: &Cleaned,
-    options: SegmentOptions,
-) -> Result<(Vec<u8>, Row)> {
-    let Mesh { positions, faces, labels, .. } = &cleaned.mesh;
-    let warnings = check_labels(positions, faces, labels, options.up_axis)?;
-    let row = Row {
-        good: warnings.is_empty(),
-        doubts: warnings.into_iter().map(parts::oddity).collect(),
-        ..Row::of(frame)
-    };
-    Ok((labels.clone(), row))
+    /// Finds or checks the labels of the scans.
+    fn label(&self, inputs: &Inputs) -> LabelledScans {
+        let options = SegmentOptions { up_axis: self.up };
+        match self.check {
+            None => segment_scans(inputs, options),
+            Some(_) => check_scans(inputs, options),
+        }
+    }
 }
 
 impl Row {
-    /// A frame of which nothing is known yet.
-    fn of(frame: &InputFrame) -> Self {
+    fn of(scan: &LabelledScan) -> Self {
+        let found = match &scan.findings {
+            LabelFindings::Found(found) => Some(found),
+            LabelFindings::Checked(_) => None,
+        };
         Self {
-            frame: frame.index,
-            name: frame.name.clone(),
-            vertices: frame.mesh.positions.len(),
-            trust: None,
-            confidence: Value::Null,
-            doubts: Vec::new(),
-            good: true,
+            frame: scan.index,
+            name: scan.name.clone(),
+            vertices: scan.file_labels.len(),
+            trust: found.map(|found| (found.trust * 1e3).round() / 1e3),
+            confidence: found.map_or(Value::Null, confidence_json),
+            doubts: scan.findings.warnings(),
+            good: scan.findings.is_good(),
         }
     }
 
@@ -191,6 +157,13 @@ impl Row {
         let trusts = parts.filter_map(|(name, trust)| Some((name.as_str(), trust.as_f64()?)));
         trusts.min_by(|a, b| a.1.total_cmp(&b.1))
     }
+}
+
+/// The confidence of every part that some vertex has, by name, with three decimals.
+pub(super) fn confidence_json(found: &Segmentation) -> Value {
+    let rounded = |trust: f32| (f64::from(trust) * 1e3).round() / 1e3;
+    let parts = found.parts().map(|(part, trust)| (part.to_string(), rounded(trust).into()));
+    parts.collect::<Map<_, _>>().into()
 }
 
 /// Label files that appear together at the end.
@@ -205,19 +178,16 @@ impl LabelFiles {
         Ok(Self { folder: OutputFolder::create(folder)?, outputs, names: HashSet::new() })
     }
 
-    /// `labels` is in the order of the file's vertices.
-    fn push(&mut self, frame: &InputFrame, labels: Vec<u8>) -> Result<()> {
-        let name = format!("{}.labels", frame.name);
+    fn push(&mut self, scan: &LabelledScan) -> Result<()> {
+        let name = format!("{}.labels", scan.name);
         ensure!(
             self.names.insert(name.clone()),
             "{}: frame {}: another frame has the same name, {name}",
-            frame.path.display(),
-            frame.index
+            scan.path.display(),
+            scan.index
         );
-        let lines: String = labels.iter().map(|label| format!("{label}\n")).collect();
-        let target = self.folder.target(&name);
-        self.outputs.inside("--output", &target)?;
-        fs::write(self.folder.place(&name), lines).with_context(|| target.display().to_string())
+        self.outputs.inside("--output", &self.folder.target(&name))?;
+        write_file(&self.folder.place(&name), |out| Ok(write_labels(out, &scan.file_labels)?))
     }
 
     fn publish(self) -> Result<usize> {

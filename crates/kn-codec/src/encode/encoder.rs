@@ -1,6 +1,7 @@
 //! The streaming encoder: frames are pushed in, and a stream is written.
 
 use crate::encode::config::EncoderConfig;
+use crate::encode::fault::InputFault;
 use crate::encode::group::GroupEncoder;
 use crate::encode::labels::Labeller;
 use crate::encode::report::{FrameReport, Summary};
@@ -63,15 +64,11 @@ impl<W: Write> Encoder<W> {
     /// # Errors
     /// The mesh is broken or cannot be coded (the error has its index), or the writer fails.
     pub fn push(&mut self, mesh: &Mesh) -> Result<(), EncodeError> {
-        check_mesh(mesh, self.frame)?;
+        check_mesh(mesh).map_err(|fault| EncodeError::Input { frame: self.frame, fault })?;
         let labelled = !mesh.labels.is_empty();
         if *self.labelled.get_or_insert(labelled) != labelled {
-            let reason = if labelled {
-                "the frame has labels, earlier frames have none"
-            } else {
-                "the frame has no labels, earlier frames have"
-            };
-            return Err(EncodeError::Input { frame: self.frame, reason: reason.into() });
+            let fault = if labelled { InputFault::LabelsAppear } else { InputFault::LabelsEnd };
+            return Err(EncodeError::Input { frame: self.frame, fault });
         }
         let mut mesh = mesh.clone();
         let labeller = self.labeller.as_mut().filter(|_| !labelled);
@@ -133,7 +130,7 @@ impl<W: Write> Encoder<W> {
             groups.encode(&self.pending, first_index, &mut self.units, &mut self.reports)?;
         let bytes = u32::try_from(self.units.len() - start).map_err(|_| EncodeError::Input {
             frame: first_index,
-            reason: "the GoF is larger than 4 GiB".into(),
+            fault: InputFault::GroupTooLarge,
         })?;
         self.index.groups.push(IndexGroup { bytes, frames: coded as u8 });
         self.pending.drain(..coded);
@@ -172,32 +169,16 @@ pub struct Finished<W> {
 }
 
 /// Checks that a frame can be coded.
-fn check_mesh(mesh: &Mesh, frame: u64) -> Result<(), EncodeError> {
-    let fail = |reason: String| Err(EncodeError::Input { frame, reason });
+fn check_mesh(mesh: &Mesh) -> Result<(), InputFault> {
     if mesh.positions.is_empty() {
-        return fail("the mesh has no vertices".into());
+        return Err(InputFault::NoVertices);
     }
     if mesh.faces.is_empty() {
-        return fail("the mesh has no faces".into());
+        return Err(InputFault::NoFaces);
     }
-    if let Some(vertex) = mesh.positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
-        return fail(format!("vertex {vertex} is not finite"));
-    }
-    let count = mesh.positions.len();
-    let outside = |face: &[u32; 3]| face.iter().any(|&vertex| vertex as usize >= count);
-    if let Some(face) = mesh.faces.iter().position(outside) {
-        return fail(format!("face {face} names a vertex beyond the last, {}", count - 1));
-    }
-    if !mesh.labels.is_empty() && mesh.labels.len() != count {
-        return fail(format!("{} labels for {count} vertices", mesh.labels.len()));
-    }
-    let known = BodyPart::COUNT;
-    match mesh.labels.iter().position(|&label| usize::from(label) >= known) {
-        Some(vertex) => fail(format!(
-            "label {} of vertex {vertex} is not 0 to {}",
-            mesh.labels[vertex],
-            known - 1
-        )),
+    mesh.check()?;
+    match mesh.labels.iter().position(|&label| BodyPart::from_label(label).is_none()) {
+        Some(vertex) => Err(InputFault::Label { label: mesh.labels[vertex], vertex }),
         None => Ok(()),
     }
 }

@@ -8,6 +8,7 @@ use crate::encode::config::{EncoderConfig, GridChoice};
 use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
 use crate::encode::failure::FitFailure;
+use crate::encode::fault::InputFault;
 use crate::encode::frame_settings::{FramePlace, FrameSettings, frame_settings};
 use crate::encode::motion::{CodedMotion, MotionEncoder};
 use crate::encode::nodes::NodeChooser;
@@ -21,8 +22,9 @@ use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use crate::order::FrameNumbers;
 use kn_bitstream::params::{BodyPart, Combination};
+use kn_bitstream::rule::HEADER_LEVEL_KNOWN;
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, SequenceHeader, rule};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, SequenceHeader};
 use kn_deform::BindError;
 use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
@@ -154,12 +156,12 @@ impl GroupEncoder {
         numbers: FrameNumbers,
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
-        let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
+        let input = |fault: InputFault| EncodeError::Input { frame: numbers.display, fault };
         let tuning = &self.tuning.decimation;
         let decimated = self.config.intra.decimation.and_then(|how| decimate(mesh, how, tuning));
         let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
         let coded = self.on_grid(coarse).map_err(input)?;
-        let encoding = encode_intra(&coded).map_err(|error| input(error.to_string()))?;
+        let encoding = encode_intra(&coded).map_err(|error| input(error.into()))?;
         self.decode_payload(&encoding.payload()).map_err(input)?;
         let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
@@ -221,26 +223,25 @@ impl GroupEncoder {
     }
 
     /// The mesh on the sequence's grid; in lossless mode, a mesh that is there already.
-    fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, String> {
-        let positions = self.grid.quantise(&mesh.positions).map_err(|error| error.to_string())?;
+    fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, InputFault> {
+        let positions = self.grid.quantise(&mesh.positions)?;
         if let GridChoice::Lossless(grid) = self.config.sequence.grid {
             let pairs = mesh.positions.iter().zip(&positions);
             let moved = |(own, coded): (&[f32; 3], &[i32; 3])| grid.dequantise(*coded) != *own;
             if let Some(vertex) = pairs.map(moved).position(|moved| moved) {
-                return Err(format!("vertex {vertex} does not lie on the lossless grid"));
+                return Err(InputFault::OffGrid { vertex });
             }
         }
         Ok(mesh.with_positions(positions))
     }
 
     /// The decoder's view of the I-frame that was just coded.
-    fn decode_payload(&mut self, payload: &IntraPayload<'_>) -> Result<(), String> {
-        let level = self.header.limits().ok_or("the sequence has no level")?;
+    fn decode_payload(&mut self, payload: &IntraPayload<'_>) -> Result<(), InputFault> {
+        let level = self.header.limits().ok_or(HEADER_LEVEL_KNOWN)?;
         let limits = IntraLimits { max_vertices: level.max_vertices, max_faces: level.max_faces };
         let decoder = &mut self.intra_decoder;
-        self.reconstruction
-            .begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))
-            .map_err(|error| error.to_string())
+        self.reconstruction.begin(0, |decoded| decode_intra(payload, &limits, decoder, decoded))?;
+        Ok(())
     }
 
     /// Chooses, codes and places the GoF's key nodes; returns the bytes of their unit.
@@ -250,7 +251,7 @@ impl GroupEncoder {
         out: &mut Vec<u8>,
     ) -> Result<u64, EncodeError> {
         let frame = scans.frame(0).0;
-        let input = |reason: String| EncodeError::Input { frame, reason };
+        let input = |fault: InputFault| EncodeError::Input { frame, fault };
         let intra = self.reconstruction.intra();
         let chooser = NodeChooser::new(&self.config, &self.tuning, &self.header.labels, intra);
         let fail = |error: FitError| match error {
@@ -259,17 +260,14 @@ impl GroupEncoder {
             }
             FitError::Bind(BindError::NoNodes) => EncodeError::Input {
                 frame: frame - 1,
-                reason: format!(
-                    "no face is left on the grid, whose step is {:.3e}: the mesh is too small for it",
-                    self.grid.step
-                ),
+                fault: InputFault::NothingLeft { step: self.grid.step },
             },
-            other => input(other.to_string()),
+            other => input(other.into()),
         };
         let nodes = chooser.choose(scans, fail)?;
         self.reconstruction.place(&nodes).map_err(|refused| match self.bare_label() {
             Some(label) => input(without_nodes(Some(label))),
-            None => input(refused.to_string()),
+            None => input(refused.into()),
         })?;
         let mut bits = BitWriter::new();
         nodes.write(&mut bits);
@@ -291,15 +289,18 @@ impl GroupEncoder {
         out: &mut Vec<u8>,
     ) -> Result<Result<PredictedReport, FitFailure>, EncodeError> {
         let FrameTask { numbers, from, settings, scan, input_faces } = task;
-        let input = |reason: String| EncodeError::Input { frame: numbers.display, reason };
+        let input = |fault: InputFault| EncodeError::Input { frame: numbers.display, fault };
         let decoded = &mut self.reconstruction;
-        let CodedMotion { mut motion, combination, cost, fit_rms } =
-            match self.motion.encode(decoded, from, scan, &settings).map_err(input)? {
-                Ok(coded) => coded,
-                Err(failure) => return Ok(Err(failure)),
-            };
+        let CodedMotion { mut motion, combination, cost, fit_rms } = match self
+            .motion
+            .encode(decoded, from, scan, &settings)
+            .map_err(|error| input(error.into()))?
+        {
+            Ok(coded) => coded,
+            Err(failure) => return Ok(Err(failure)),
+        };
         let context = self.reconstruction.motion_context();
-        self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.to_string()))?;
+        self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.into()))?;
         let positions = self.reconstruction.last_positions();
         motion.header.positions_digest =
             self.config.sequence.digests.then(|| positions_digest(positions));
@@ -368,9 +369,7 @@ fn append_unit(out: &mut Vec<u8>, unit_type: u8, bits: BitWriter) -> u64 {
     (out.len() - before) as u64
 }
 
-/// The message for a GoF that strict mode refuses: the region of this label has no key node.
-fn without_nodes(label: Option<&u8>) -> String {
-    let part = label.and_then(|&label| BodyPart::from_label(label));
-    let part = part.map_or("a part".into(), |part| part.to_string());
-    format!("{}: there is none for {part}", rule::DEFORM_INFLUENCE_STRICT)
+/// The fault of a GoF that strict mode refuses: the region of this label has no key node.
+fn without_nodes(label: Option<&u8>) -> InputFault {
+    InputFault::WithoutNodes { part: label.and_then(|&label| BodyPart::from_label(label)) }
 }

@@ -6,10 +6,12 @@ mod cost;
 mod decimate;
 mod encoder;
 mod failure;
+mod fault;
 mod frame_settings;
 mod group;
 mod labels;
 mod motion;
+mod named_setting;
 mod nodes;
 mod preset;
 mod quantise;
@@ -31,6 +33,8 @@ pub use config::{
 };
 pub use encoder::{Encoder, Finished};
 pub use failure::{EarlierFrames, FailureTuning, FitFailure};
+pub use fault::InputFault;
+pub use named_setting::{NamedSetting, SetError};
 pub use preset::Preset;
 pub use report::{
     CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport, Summary,

@@ -14,7 +14,7 @@ use crate::encode::tuning::{StepTuning, Tuning};
 use kn_bitstream::params::Combination;
 use kn_bitstream::{BitWriter, MotionFrame, SequenceHeader};
 use kn_deform::NodeTransform;
-use kn_fit::{Fit, FitOptions, FitSource, Fitter};
+use kn_fit::{Fit, FitError, FitOptions, FitSource, Fitter};
 
 /// Codes the P-frames of a GoF, one after the other.
 pub(crate) struct MotionEncoder {
@@ -80,7 +80,7 @@ impl MotionEncoder {
         from: Slot,
         scan: &Scan,
         settings: &FrameSettings,
-    ) -> Result<Result<CodedMotion, FitFailure>, String> {
+    ) -> Result<Result<CodedMotion, FitFailure>, FitError> {
         let candidates = self.candidates(decoded);
         let fits = self.fit(decoded, from, scan, &candidates)?;
         let explained = match self.explained(&fits) {
@@ -97,7 +97,7 @@ impl MotionEncoder {
         let lambda = settings.component_lambda;
         let Some((trial, fit)) = cheapest(trials, |(trial, _)| trial.cost.with_lambda(lambda))
         else {
-            return Err("there is no combination to choose".into());
+            return Err(FitError::Length { what: "combinations", found: 0, expected: 1 });
         };
         let trial = frame.cheapest_steps(&frame.in_reference_units(fit), trial);
         self.steps = Some(trial.steps);
@@ -168,7 +168,7 @@ impl MotionEncoder {
         from: Slot,
         scan: &Scan,
         candidates: &[Combination],
-    ) -> Result<Vec<Fit>, String> {
+    ) -> Result<Vec<Fit>, FitError> {
         let reference = decoded.reference(from);
         to_grid_steps(&reference.positions, self.unit, &mut self.reference);
         to_grid_steps(&reference.nodes, self.unit, &mut self.nodes);
@@ -183,21 +183,20 @@ impl MotionEncoder {
         };
         let fitter = match &mut self.fitter {
             Some(fitter) => fitter,
-            none => none.insert(Fitter::new(&source).map_err(|error| error.to_string())?),
+            none => none.insert(Fitter::new(&source)?),
         };
         let options = FitOptions {
             part_start: self.config.motion.part_start,
             measures: Some(self.tuning.failure.measures),
             ..FitOptions::default()
         };
-        let fits = match candidates {
+        match candidates {
             &[combination] => {
                 let options = FitOptions { combination, ..options };
                 fitter.fit_frame(&source, &scan.target, &options).map(|fit| vec![fit])
             }
             _ => fitter.fit_combinations(&source, &scan.target, &options, candidates),
-        };
-        fits.map_err(|error| error.to_string())
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The scans of a GoF. P-frames are fitted to them and measured against them.
 
 use crate::encode::choices::DistortionMeasure;
+use crate::encode::fault::InputFault;
 use crate::encode::tuning::SurrogateTuning;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
@@ -29,7 +30,7 @@ pub(crate) struct ScanOptions {
 impl Scan {
     fn new(mesh: &Mesh, options: ScanOptions, frame: u64) -> Result<Self, EncodeError> {
         let ScanOptions { grid, measure, tuning } = options;
-        let input = |reason: String| EncodeError::Input { frame, reason };
+        let input = |fault: InputFault| EncodeError::Input { frame, fault };
         let positions = to_grid_steps(&mesh.positions, grid);
         let (target, original) = rayon::join(
             || FitTarget::new(&positions, &mesh.faces),
@@ -40,13 +41,13 @@ impl Scan {
                 Some(DistortionMeasure::Surrogate) | None => Ok(None),
             },
         );
-        let target = target.map_err(|error| input(error.to_string()))?;
-        let original = original.map_err(|error| input(error.to_string()))?;
+        let target = target.map_err(|error| input(error.into()))?;
+        let original = original.map_err(|error| input(error.into()))?;
         if mesh.labels.is_empty() {
             return Ok(Self { target, original, tuning });
         }
         let labelled = target.with_labels(&mesh.labels);
-        Ok(Self { target: labelled.map_err(|error| input(error.to_string()))?, original, tuning })
+        Ok(Self { target: labelled.map_err(|error| input(error.into()))?, original, tuning })
     }
 
     /// D of a decoded frame: `positions` `#V × 3` in reference units, of which `unit` make a grid

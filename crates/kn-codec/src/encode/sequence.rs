@@ -1,6 +1,7 @@
 //! Makes the sequence header from the settings and the first frame.
 
 use crate::encode::config::{EncoderConfig, GridChoice, step_of_bits};
+use crate::encode::fault::InputFault;
 use crate::error::EncodeError;
 use kn_bitstream::params::LabelSet;
 use kn_bitstream::{Level, SequenceHeader};
@@ -43,7 +44,7 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
     let level = Level::all().find(|(number, level)| *number > 0 && fits(level));
     level.map(|(number, _)| number).ok_or_else(|| {
         let (vertices, faces) = (first.positions.len(), first.faces.len());
-        unfit(format!("no level holds twice its {vertices} vertices and {faces} faces"))
+        unfit(InputFault::Level { vertices, faces })
     })
 }
 
@@ -51,7 +52,7 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
 fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
     let bounds = |bounds: Option<BoundingBox>| {
         let bounds = bounds.or_else(|| first.bounding_box());
-        bounds.ok_or_else(|| unfit("the mesh has no box".into()))
+        bounds.ok_or_else(|| unfit(InputFault::NoVertices))
     };
     match *choice {
         GridChoice::Lossless(grid) => Ok(grid),
@@ -64,6 +65,6 @@ fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
 }
 
 /// The error for a first frame that does not fit the settings.
-fn unfit(reason: String) -> EncodeError {
-    EncodeError::Input { frame: 0, reason }
+fn unfit(fault: InputFault) -> EncodeError {
+    EncodeError::Input { frame: 0, fault }
 }

@@ -33,6 +33,10 @@ pub enum Setting {
     Smoothing,
     #[strum(serialize = "motion.nodes")]
     Nodes,
+    #[strum(serialize = "motion.placement")]
+    Placement,
+    #[strum(serialize = "motion.influence")]
+    Influence,
     #[strum(serialize = "motion.nodes_per_vertex")]
     NodesPerVertex,
     #[strum(serialize = "motion.weights")]
@@ -41,6 +45,12 @@ pub enum Setting {
     Affine,
     #[strum(serialize = "motion.combination")]
     Combination,
+    #[strum(serialize = "motion.combination (choice)")]
+    Choice,
+    #[strum(serialize = "motion.part_start")]
+    PartStart,
+    #[strum(serialize = "motion.translation")]
+    Translation,
     #[strum(serialize = "motion.translation_step")]
     TranslationStep,
     #[strum(serialize = "motion.rotation_step")]

@@ -6,10 +6,11 @@ use kn_bitstream::MAX_SMOOTHING;
 use kn_metrics::TriangleTree;
 
 /// The greatest strength whose surface is as near to the scan as without smoothing, or at most
-/// [`SmoothingTuning::tolerance`] times as far. `scan` is in grid steps; `unit` reference units make
-/// a grid step. The reconstruction has decoded the I-frame; its reference is left at some strength.
+/// [`SmoothingTuning::tolerance`] times as far. `scan` is in grid steps; `unit` reference units
+/// make a grid step. The reconstruction has decoded the I-frame; its reference is left at some
+/// strength.
 ///
-/// Where the scan was on the grid from the start, nothing is smoothed.
+/// A scan that was on the grid from the start is not smoothed.
 pub(crate) fn choose_smoothing(
     reconstruction: &mut Reconstruction,
     scan: &TriangleTree,

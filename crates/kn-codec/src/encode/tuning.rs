@@ -8,7 +8,7 @@ use crate::encode::failure::FailureTuning;
 pub(crate) struct Tuning {
     /// Default settings of the rate.
     pub(crate) rate: RateTuning,
-    /// When a frame begins a new GoF.
+    /// Thresholds at which a frame begins a new GoF.
     pub(crate) failure: FailureTuning,
     /// Key nodes and affine nodes.
     pub(crate) nodes: NodeTuning,
@@ -39,7 +39,7 @@ impl Default for RateTuning {
 /// `distortion` lie where J is least on six sequences (`docs/notes/fit.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NodeTuning {
-    /// Where in its GoF the key frame is, as a share of the P-frames: later frames have drifted
+    /// Place of the key frame in its GoF, as a share of the P-frames: later frames have drifted
     /// more, earlier ones moved less.
     pub(crate) key_frame: f64,
     /// Bytes of a key node's place, once a GoF.
@@ -126,7 +126,7 @@ impl Default for StepTuning {
 pub(crate) struct SmoothingTuning {
     /// Number of faces whose centres are looked at, about.
     pub(crate) samples: usize,
-    /// How many times as far from the scan a smoothed surface may be as the unsmoothed one. MSDM2
+    /// Largest distance of a smoothed surface from the scan, over that of the unsmoothed one. MSDM2
     /// still falls beyond the strength with the smallest distance.
     pub(crate) tolerance: f64,
 }

@@ -1,4 +1,4 @@
-//! Where the border between two labels runs past a vertex: a linear fit to the known labels along
+//! The side of the border between two labels on which a vertex is: a linear fit to the labels along
 //! it (`spec/05-intra.md`). Binary64 in the written order.
 
 use super::predict::Point;

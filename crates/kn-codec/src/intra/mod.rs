@@ -55,7 +55,7 @@ pub enum IntraError {
     /// The payload announces more than the caller allows.
     #[error("intra payload: {asked} {what}, the limit is {allowed}")]
     Limit {
-        /// What there is too much of.
+        /// The quantity that is too large.
         what: &'static str,
         /// Announced.
         asked: u32,
@@ -85,9 +85,9 @@ pub enum IntraError {
     /// The mesh to encode has 2^28 vertices or faces, or more.
     #[error("{count} {what} are too many")]
     TooLarge {
-        /// What there is too much of.
+        /// The quantity that is too large.
         what: &'static str,
-        /// How many there are.
+        /// Its value.
         count: usize,
     },
 }

@@ -79,8 +79,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// How to name the open half-edge that leaves the tip: by its distance along the loop, or,
-    /// where it lies on another loop or too far, by its number.
+    /// The symbol for the open half-edge that leaves the tip: its distance along the loop, or,
+    /// where it lies on another loop or too far, its number.
     fn jump(&self, conquest: &Conquest, gate: u32, to_tip: u32) -> Symbol {
         let edge = self.target(to_tip);
         match distance(conquest, gate, edge) {

@@ -1,4 +1,4 @@
-//! What several tests of I-frames need.
+//! Functions that several tests of I-frames share.
 
 use kn_bitstream::{BitReader, BitWriter, IntraPayload, Level};
 use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraError, IntraLimits, decode_intra};

@@ -4,6 +4,7 @@
 
 mod conquest;
 mod deform;
+mod faces;
 mod framing;
 mod geometry;
 mod intra;

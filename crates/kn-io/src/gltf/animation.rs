@@ -11,8 +11,9 @@ use gltf::json::validation::Checked;
 /// Most frames that one animation is sampled into.
 const MAX_FRAMES: f64 = 500_000.0;
 
-/// How far, in frames, a sample may lie before a step and still count as on it: times are binary32
-/// in the file, so the key of frame 1 at 30 fps lies after 1/30. Enough for [`MAX_FRAMES`].
+/// The largest distance, in frames, at which a sample before a step counts as on it: times are
+/// binary32 in the file, so the key of frame 1 at 30 fps lies after 1/30. Enough for
+/// [`MAX_FRAMES`].
 const ON_KEY_FRAME: f64 = 0.05;
 
 /// The channels of one animation.

@@ -109,7 +109,7 @@ fn load_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Fault> {
     // A mesh file must not make us open devices or files elsewhere.
     let beside = path.components().all(|part| matches!(part, Component::Normal(_)));
     if !beside || uri.contains(':') || !folder.join(path).is_file() {
-        let what = format!("the buffer {} is no file beside it", uri.escape_debug());
+        let what = format!("the buffer {} is not a file beside it", uri.escape_debug());
         return Err(MeshErrorKind::Unsupported(what).into());
     }
     read_file(&folder.join(path)).map_err(|error| error.kind.into())

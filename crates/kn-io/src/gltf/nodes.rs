@@ -51,7 +51,7 @@ impl Nodes {
         if parents_first.len() == nodes.len() {
             Ok(Self { nodes, parents_first })
         } else {
-            Err(bad("the nodes are no tree"))
+            Err(bad("the nodes are not a tree"))
         }
     }
 
@@ -70,7 +70,7 @@ impl Nodes {
             // A node listed twice, or below a listed one, would be drawn twice.
             let is_root = self.nodes.get(node).is_some_and(|node| node.parent.is_none());
             if !is_root || std::mem::replace(&mut listed[node], true) {
-                return Err(bad(format!("node {node} is no root of scene {number}")));
+                return Err(bad(format!("node {node} is not a root of scene {number}")));
             }
         }
         Ok(depth_first(root, &roots))

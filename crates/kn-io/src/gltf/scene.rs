@@ -1,4 +1,4 @@
-//! What of a file makes up the mesh: the primitives of the default scene, their skins and
+//! The part of a file that makes up the mesh: the primitives of the default scene, their skins and
 //! morph targets, and the animations.
 
 use super::super::{Fault, MeshErrorKind, Place, ReadNotes};
@@ -322,7 +322,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, Fault> {
             [first, rest @ ..] => rest.windows(2).map(|w| [w[0], w[1], *first]).collect(),
         },
         _ if !indices.len().is_multiple_of(3) => {
-            return Err(bad(format!("{} face indices are no triangles", indices.len())));
+            return Err(bad(format!("{} face indices do not make whole triangles", indices.len())));
         }
         _ => indices.chunks_exact(3).map(|w| [w[0], w[1], w[2]]).collect(),
     })

@@ -117,7 +117,8 @@ fn whole_numbers(values: [f64; 3]) -> impl Iterator<Item = f64> {
         .take_while(move |&i| i <= last && i < 1e15)
 }
 
-/// Where the line at `i` on the first axis enters and leaves the triangle on the second.
+/// The two places on the second axis where the line at `i` on the first enters and leaves the
+/// triangle.
 fn cross_section(corners: &[[f64; 2]; 3], i: f64) -> Option<(f64, f64)> {
     let mut ends: Option<(f64, f64)> = None;
     for side in 0..3 {

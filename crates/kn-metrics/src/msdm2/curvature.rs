@@ -264,7 +264,7 @@ impl<M: Machine> Cut<M> {
         }
     }
 
-    /// Which parts of the edges lie inside a sphere that holds their start.
+    /// The parts of the edges that lie inside a sphere that holds their start.
     #[inline(always)]
     fn parts(&self, machine: M, radius_squared: f64) -> [f64; QUAD] {
         let square = Quad::splat(machine, radius_squared);

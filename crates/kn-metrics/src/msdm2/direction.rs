@@ -344,7 +344,7 @@ impl Scratch {
         &self.inside[..self.ends[level]]
     }
 
-    /// How many samples a level has.
+    /// The number of samples of a level.
     #[cfg(test)]
     pub(super) fn count(&self, level: usize) -> usize {
         self.inside(level).len() + self.leaving[level].as_slice().len()

@@ -120,7 +120,7 @@ impl Flood {
         self.wave.push_if(true, centre);
     }
 
-    /// What was found becomes the wave, each vertex once.
+    /// Makes the vertices that were found the wave, each once.
     #[inline(always)]
     fn next_wave(&mut self) {
         self.wave.clear();
@@ -131,7 +131,7 @@ impl Flood {
         }
     }
 
-    /// What the last run reached: the vertices whose first level this is. The centre comes first.
+    /// The vertices that the last run reached whose first level this is. The centre comes first.
     #[inline]
     pub(super) fn reached(&self, level: usize) -> &[Reached] {
         self.reached[level].as_slice()
@@ -149,7 +149,7 @@ struct Start {
 }
 
 impl Start {
-    /// Which edges lead away, and where to.
+    /// The edges that lead away, and where to.
     #[inline(always)]
     fn ahead<M: Machine>(
         &self,
@@ -236,7 +236,7 @@ impl Spheres {
 /// The least part of an edge that [`parts`] gives.
 pub(super) const SMALLEST_PART: f64 = 1e-16;
 
-/// Which parts of edges lie inside a sphere that holds their starts: above 1 where it holds the
+/// The parts of edges that lie inside a sphere that holds their starts: above 1 where it holds the
 /// whole edge. With the edge `e` that starts at `o` from the centre: a = e², b = o·e, and c = o² −
 /// r², which is not positive, so that the root is real. Below [`SMALLEST_PART`] or not a number for
 /// an edge without length and for one that starts on the sphere: see [`clip_special`].

@@ -4,7 +4,7 @@
 //! has and, on x86-64, for AVX2, BMI and FMA as well (x86-64-v3); which of the two runs is asked of
 //! the processor. Nothing is fused or re-ordered, so that both give the same bits.
 //!
-//! What a kernel does with a machine must be inlined into it: a closure of its own is compiled
+//! The work of a kernel with a machine must be inlined into it: a closure of its own is compiled
 //! for the processor that every target has, and each operation in it becomes a call.
 
 #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,4 @@
-//! Which face of the original a vertex belongs to, and how curvature is interpolated there.
+//! The face of the original that a vertex belongs to, and the interpolation of curvature there.
 
 use super::Msdm2Surface;
 use crate::tree::Closest;

@@ -325,7 +325,7 @@ fn tied(original: &Msdm2Surface, around: &[Vec<u32>], closest: &Closest) -> Vec<
     around[on[0] as usize].iter().copied().filter(holds).collect()
 }
 
-/// What a choice among equally close faces prefers to be small, given the face, its curvature and
+/// The value that a choice among equally close faces makes small, given the face, its curvature and
 /// the vertex's own.
 type Choice = fn(u32, f64, f64) -> f64;
 

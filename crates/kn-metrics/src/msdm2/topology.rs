@@ -135,7 +135,7 @@ impl Block {
         machine.above(machine.load(&self.squares), f32::MIN_POSITIVE)
     }
 
-    /// How much farther the neighbours are than the edges' start, in squared distances and in the
+    /// The excess of the neighbours' squared distances over that of the edges' start, in the
     /// blocks' units, given the products with the vector to that start.
     #[inline(always)]
     pub(super) fn gains<M: Machine>(&self, machine: M, products: M::Numbers) -> M::Numbers {
@@ -188,7 +188,7 @@ fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     scale(normal, 1.0 / norm(normal))
 }
 
-/// What an edge between two faces adds if it lies inside the sphere as a whole.
+/// The tensor that an edge between two faces adds if it lies inside the sphere as a whole.
 fn edge_tensor(sides: Option<[Side; 2]>, along: Vec3, normals: &[Vec3]) -> Symmetric {
     let Some([one, other]) = sides else { return [[0.0; 4]; 2] };
     // n1 is the face on the side of the half-edge that runs against `along`. Two faces that run

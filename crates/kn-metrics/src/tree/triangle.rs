@@ -16,7 +16,7 @@ pub(super) struct Triangle {
     /// Gradients of the barycentric coordinates of the second and third corner; zero where the
     /// triangle is a segment or a point.
     gradients: [Vec3; 2],
-    /// Which corner of the face each sorted corner is.
+    /// The corner of the face that each sorted corner is.
     order: [u8; 3],
     thin: bool,
 }

@@ -13,7 +13,8 @@ use kn_conform::{Spec, node_labels};
 use kn_mesh::Mesh;
 
 use super::Draft;
-use super::meshes::{ellipsoid, label, moved, opened, torus, turned, twins};
+use super::core_translations::predicted;
+use super::meshes::{ellipsoid, label, moved, opened, torus, twins};
 
 /// Every setting, so that no default moves the corpus.
 fn config() -> EncoderConfig {
@@ -124,7 +125,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     let long: Vec<Mesh> = (0..7).map(|i| moved(&plain, 0.5 * f64::from(i))).collect();
     add(
         "groups",
-        "Nothing of a group of frames is left in the next; the last group is short.",
+        "Nothing of a GoF is left in the next; the last GoF is short.",
         &["conformance.access", "conformance.stages", "deform.influence.bound"],
         &long,
         config().with_group_length(3),
@@ -239,119 +240,7 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     Ok(drafts)
 }
 
-/// A stream with predicted translations.
-struct Predicted {
-    name: &'static str,
-    danger: &'static str,
-    covers: &'static [&'static str],
-    frames: Vec<Mesh>,
-    choice: TranslationChoice,
-    up_axis: UpAxis,
-}
-
-fn predicted(body: &Mesh) -> Vec<Predicted> {
-    let frames = |mesh: &Mesh, count| (0..count).map(|i| moved(mesh, f64::from(i))).collect();
-    let upright: Vec<Mesh> = frames(body, 2);
-    let headless = body.clone().with_labels(body.labels.iter().map(|&l| headless(l)).collect());
-    let plain = twins(body).with_labels(Vec::new());
-    let stream = |name, danger, covers, frames| Predicted {
-        name,
-        danger,
-        covers,
-        frames,
-        choice: TranslationChoice::Paper,
-        up_axis: UpAxis::Y,
-    };
-    vec![
-        stream(
-            "translation_spatial",
-            "The path from head over torso to the thighs: every node is predicted from the one before.",
-            PATH,
-            upright.clone(),
-        ),
-        Predicted {
-            up_axis: UpAxis::Z,
-            frames: upright.iter().map(|mesh| turned(mesh, 1)).collect(),
-            ..stream(
-                "translation_up_z",
-                "The path goes down the up axis of the header, clockwise seen from there.",
-                &["path.plane", "path.angle", "path.ring"],
-                Vec::new(),
-            )
-        },
-        Predicted {
-            up_axis: UpAxis::X,
-            frames: upright.iter().map(|mesh| turned(mesh, 2)).collect(),
-            ..stream(
-                "translation_up_x",
-                "The path goes down the up axis of the header, clockwise seen from there.",
-                &["path.plane", "path.angle", "path.ring"],
-                Vec::new(),
-            )
-        },
-        stream(
-            "translation_no_head",
-            "An arm without a head and thighs without a torso begin at the nodes visited so far.",
-            &["path.references", "path.order", "path.part"],
-            frames(&headless, 2),
-        ),
-        stream(
-            "translation_unlabelled",
-            "Without labels the largest component is first.",
-            &["path.components", "path.order", "path.start.highest"],
-            frames(&plain, 2),
-        ),
-        stream(
-            "translation_spatio_temporal",
-            "Every part changes by its own vector, in the dictionary of the frame before.",
-            &[
-                "motion.prediction.temporal",
-                "motion.translation.mode",
-                "motion.translation.previous",
-                "motion.parts",
-            ],
-            frames(body, 5),
-        ),
-        Predicted {
-            choice: TranslationChoice::Cost,
-            ..stream(
-                "translation_by_cost",
-                "The mode changes from frame to frame, and a new group knows no frame before.",
-                &["motion.prediction.direct", "motion.translation.mode"],
-                frames(body, 9),
-            )
-        },
-    ]
-}
-
-/// The head becomes an arm, the torso something held.
-fn headless(label: u8) -> u8 {
-    match label {
-        0 => 4,
-        7 => 14,
-        label => label,
-    }
-}
-
-/// Section 7.5 and what uses it.
-const PATH: &[&str] = &[
-    "motion.prediction.spatial",
-    "path.group",
-    "path.plane",
-    "path.mean",
-    "path.graph",
-    "path.components",
-    "path.part",
-    "path.order",
-    "path.references",
-    "path.start.highest",
-    "path.start.nearest",
-    "path.layers",
-    "path.angle",
-    "path.ring",
-];
-
-/// What every mesh needs of chapters 1, 4 and 5.
+/// The rules of chapters 1, 4 and 5 that every mesh needs.
 const INTRA: &[&str] = &[
     "conventions.integers",
     "conventions.floor",

@@ -1,6 +1,8 @@
-//! Conquests (5.2) and joins (5.3) that break one rule: a decoder that does not check it comes to a mesh.
+//! Conquests (5.2) and joins (5.3) that break one rule: a decoder that does not check it comes to a
+//! mesh.
 //!
-//! Decisions are written as in 4.4, found by a search over those that a decoder without the check takes.
+//! Decisions are written as in 4.4, found by a search over those that a decoder without the check
+//! takes.
 
 use super::Draft;
 use super::decisions::{payload, section};
@@ -15,7 +17,7 @@ struct Conquest {
     seeds: &'static [([u32; 3], &'static str)],
     /// vertex_count, face_count, join_count.
     counts: [u32; 3],
-    /// How many vertices are coded with triples that predict them.
+    /// Number of vertices that are coded with triples that predict them.
     supported: u32,
 }
 

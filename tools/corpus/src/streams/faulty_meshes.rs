@@ -51,7 +51,7 @@ fn headers(plain: &[u8]) -> Vec<Draft> {
         edited(
             "intra_header_long",
             "descriptor.uleb.shortest",
-            "A count with a group too many.",
+            "A count with a byte too many.",
             &|text| text.set("vertex_count", 0, &long),
         ),
         edited(

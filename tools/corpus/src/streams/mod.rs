@@ -5,10 +5,12 @@
 //! those of our decoder, stages those of the literal one.
 
 mod core_streams;
+mod core_translations;
 mod decisions;
 mod faulty;
 mod faulty_conquests;
 mod faulty_meshes;
+mod faulty_motion;
 mod meshes;
 mod shapes;
 mod texts;

@@ -222,7 +222,7 @@ pub(crate) fn drafts() -> Result<Vec<Draft>> {
     );
     add(
         "intra_only_groups",
-        "Groups of one frame each, and no key nodes at all.",
+        "GoFs of one frame each, and no key nodes at all.",
         &["conformance.process"],
         {
             let intra = intra_unit(&payload_of(&strip(4, Some([0, 7])))?);

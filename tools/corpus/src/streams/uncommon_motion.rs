@@ -155,8 +155,8 @@ fn cloud(positions: Vec<[i32; 3]>) -> GridMesh {
     GridMesh::new(positions, Vec::new())
 }
 
-/// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes halves of odd
-/// coordinates, and translations add up to whole numbers of Q.
+/// All nodes in the origin, each in as many slots, so that weights are 1/Q; a scale of 1.5 makes
+/// halves of odd coordinates, and translations add up to whole numbers of Q.
 fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft> {
     let mut noise = Noise::new(slots as u64);
     let odd = |noise: &mut Noise| noise.point(3000).map(|x| 2 * x + 1);
@@ -184,7 +184,7 @@ fn ties(name: &str, slots: usize, nodes: usize) -> Result<Draft> {
     scene.draft(name, danger, None, &["deform.blend", "deform.round", "deform.weights.normalise"])
 }
 
-/// What a coordinate times the scale exceeds 2^20 − 1 by, in 2^−14 of a step.
+/// The excess of a coordinate times the scale over 2^20 − 1, in 2^−14 of a step.
 const LIMIT_BELOW: i64 = 8191;
 const LIMIT_EXACT: i64 = 8192;
 

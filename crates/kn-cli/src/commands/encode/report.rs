@@ -1,14 +1,14 @@
 //! The report of `kn encode`: a summary for the terminal, and all frames as JSON for `--report`.
 
-use super::label_checks::LabelChecks;
 use crate::arguments::Global;
-use crate::parts;
+use crate::commands::segment::confidence_json;
 use crate::stream;
 use crate::table::{counted, grouped};
 use kn_codec::{CostReport, FrameReport, StepReport, Summary};
 use kn_io::ReadNotes;
 use kn_mesh::CleanReport;
-use kn_segment::{LabelWarning, Segmentation};
+use kn_segment::Segmentation;
+use kn_sequence::LabelWarnings;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -20,7 +20,8 @@ pub(super) struct Report {
     frames: Vec<FrameEntry>,
     cleaned: CleanReport,
     notes: ReadNotes,
-    labels: LabelChecks,
+    /// Warnings about the labels that came with the scans.
+    pub(super) labels: LabelWarnings,
 }
 
 /// One frame as the JSON has it.
@@ -65,8 +66,8 @@ impl From<Segmentation> for PartsEntry {
     fn from(found: Segmentation) -> Self {
         Self {
             person: found.found_a_person(),
-            confidence: parts::confidence_json(&found.confidence),
-            doubts: found.warnings.into_iter().map(parts::doubt).collect(),
+            confidence: confidence_json(&found),
+            doubts: found.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 }
@@ -79,12 +80,6 @@ impl Report {
         let ReadNotes { polygons, ignored: not_carried, .. } = notes;
         let cleaned = cleaned_json(cleaned);
         self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
-    }
-
-    /// The labels that came with the frame that was read last have been checked.
-    pub(super) fn checked(&mut self, warnings: Vec<LabelWarning>) {
-        let Some(last) = self.frames.last() else { return };
-        self.labels.add(&last.file, self.frames.len() - 1, warnings);
     }
 
     /// A frame has been coded; frames are read before they are coded.
@@ -127,7 +122,7 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
-        self.labels.tell(global);
+        self.labels.iter().for_each(|warning| global.note(warning));
         self.tell_decimation(global);
         self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;

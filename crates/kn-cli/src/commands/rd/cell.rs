@@ -6,7 +6,7 @@ use super::results::{CellResult, FrameResult};
 use super::sequences::{Sequence, hex};
 use super::store::Store;
 use crate::output::write_file;
-use crate::settings::{Settings, check_settings, flags_of};
+use crate::settings::{apply_table, check_settings, flags_of};
 use crate::stream::{self, kind_letter};
 use anyhow::{Context, Result, ensure};
 use kn_codec::{Encoder, EncoderConfig, LabelChoice};
@@ -25,7 +25,7 @@ pub(super) fn encoder_config(
     rate: &RateEntry,
 ) -> Result<EncoderConfig> {
     let mut config = codec.preset()?.config();
-    Settings::from_table(&merged(codec, entry, rate))?.apply(&mut config);
+    apply_table(&merged(codec, entry, rate), &mut config)?;
     check_settings(&config)
         .with_context(|| format!("{}, {}, {}", entry.name, codec.name, rate.name))?;
     Ok(config)

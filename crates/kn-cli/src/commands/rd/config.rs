@@ -1,12 +1,15 @@
 //! The configuration file: its fields, and the checks of its values.
 
-use crate::arguments::FrameRange;
+mod entries;
+
 use crate::nearest::nearest;
-use crate::settings::Settings;
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use kn_bitstream::params::{FrameRate, UpAxis};
-use kn_codec::Preset;
-use kn_metrics::CompareOptions;
+use crate::settings::apply_table;
+use anyhow::{Context, Result, anyhow, ensure};
+pub(super) use entries::{
+    CodecEntry, CodecLabels, PerformerEntry, PicturesEntry, RateEntry, SequenceEntry,
+};
+use entries::{MetricsEntry, TableEntry, check_keys};
+use kn_codec::EncoderConfig;
 use serde::Deserialize;
 use std::collections::HashSet;
 use std::fs;
@@ -39,115 +42,6 @@ pub(super) struct Config {
     /// The file as it is.
     #[serde(skip)]
     pub(super) text: String,
-}
-
-/// Scans in files, or a performer.
-#[derive(Debug, Deserialize)]
-pub(super) struct SequenceEntry {
-    pub(super) name: String,
-    pub(super) input: Option<String>,
-    pub(super) performer: Option<PerformerEntry>,
-    /// A glob of label files, or `auto`.
-    pub(super) labels: Option<String>,
-    pub(super) frames: Option<String>,
-    pub(super) fps: Option<toml::Value>,
-    pub(super) up: Option<String>,
-    #[serde(flatten)]
-    pub(super) settings: toml::Table,
-}
-
-/// A synthetic performer; what is left out is as in `kn demo`.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PerformerEntry {
-    pub(super) motion: Option<String>,
-    pub(super) frames: u32,
-    pub(super) vertices: Option<usize>,
-    pub(super) seed: Option<u64>,
-    pub(super) intensity: Option<f64>,
-    pub(super) noise: Option<f64>,
-    pub(super) holes: Option<u32>,
-    pub(super) ball: Option<bool>,
-    pub(super) tunic: Option<bool>,
-}
-
-/// A preset, perhaps with changes and a name of its own.
-#[derive(Debug, Deserialize)]
-pub(super) struct CodecEntry {
-    pub(super) name: String,
-    pub(super) base: Option<String>,
-    #[serde(default)]
-    pub(super) labels: CodecLabels,
-    #[serde(flatten)]
-    pub(super) settings: toml::Table,
-}
-
-/// Which labels a codec is given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum CodecLabels {
-    /// Those of the sequence, if it has any; else what the preset does without.
-    #[default]
-    Sequence,
-    /// Those that the encoder finds, whatever labels the sequence has.
-    Auto,
-    None,
-}
-
-/// A point of every curve.
-#[derive(Debug, Deserialize)]
-pub(super) struct RateEntry {
-    pub(super) name: String,
-    #[serde(flatten)]
-    pub(super) settings: toml::Table,
-}
-
-/// What is measured beside point-to-surface distances.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct MetricsEntry {
-    pub(super) msdm2: bool,
-    pub(super) d1d2: bool,
-}
-
-impl Default for MetricsEntry {
-    fn default() -> Self {
-        Self { msdm2: true, d1d2: false }
-    }
-}
-
-impl MetricsEntry {
-    pub(super) fn options(&self) -> CompareOptions {
-        let mut options = CompareOptions::default();
-        options.msdm2 = self.msdm2;
-        options.projected = false;
-        options.grid = options.grid.filter(|_| self.d1d2);
-        options
-    }
-}
-
-/// A CSV table with points of other codecs.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TableEntry {
-    pub(super) path: String,
-    /// The codecs to take; all where it is left out.
-    pub(super) codecs: Option<Vec<String>>,
-    #[serde(default)]
-    pub(super) columns: super::tables::Columns,
-}
-
-/// Pictures of one frame of every sequence.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PicturesEntry {
-    /// Counted from the first frame used.
-    pub(super) frame: u64,
-    /// Degrees about the up axis.
-    #[serde(default)]
-    pub(super) yaw: f32,
-    /// The rate to compare at, kB a frame.
-    pub(super) rate: Option<f64>,
 }
 
 impl Config {
@@ -195,7 +89,7 @@ impl Config {
             for codec in &self.codecs {
                 for rate in &self.rates {
                     let table = merged(codec, sequence, rate);
-                    Settings::from_table(&table).with_context(|| {
+                    apply_table(&table, &mut EncoderConfig::default()).with_context(|| {
                         format!("{}, {}, {}", sequence.name, codec.name, rate.name)
                     })?;
                 }
@@ -223,70 +117,6 @@ pub(super) fn merged(
     table
 }
 
-impl SequenceEntry {
-    fn check(&self) -> Result<()> {
-        let own = ["name", "input", "performer", "labels", "frames", "fps", "up"];
-        check_keys(&self.settings, &own)?;
-        ensure!(
-            self.input.is_some() != self.performer.is_some(),
-            "a sequence has either an input or a performer"
-        );
-        ensure!(
-            self.performer.is_none() || self.label_files().is_none(),
-            "a performer has labels of its own, or those of `labels = \"auto\"`"
-        );
-        self.frame_range()?;
-        self.frame_rate()?;
-        self.up_axis()?;
-        Ok(())
-    }
-
-    /// Whether its own labels are not used.
-    pub(super) fn auto_labels(&self) -> bool {
-        self.labels.as_deref() == Some("auto")
-    }
-
-    /// The label files that are named.
-    pub(super) fn label_files(&self) -> Option<&String> {
-        self.labels.as_ref().filter(|_| !self.auto_labels())
-    }
-
-    /// The frames to use.
-    pub(super) fn frame_range(&self) -> Result<FrameRange> {
-        let parse = |text: &String| text.parse().map_err(|reason: String| anyhow!(reason));
-        self.frames.as_ref().map_or(Ok(FrameRange::default()), parse).context("frames")
-    }
-
-    /// Frames per second.
-    pub(super) fn frame_rate(&self) -> Result<FrameRate> {
-        let text = match &self.fps {
-            None => "30".into(),
-            Some(toml::Value::String(text)) => text.clone(),
-            Some(number) => number.to_string(),
-        };
-        // TOML writes whole floats as 30.0, which the flag takes too.
-        text.parse().context("fps")
-    }
-
-    /// The axis that points up.
-    pub(super) fn up_axis(&self) -> Result<UpAxis> {
-        let parse = |text: &String| text.parse();
-        self.up.as_ref().map_or(Ok(UpAxis::default()), parse).context("up")
-    }
-}
-
-impl CodecEntry {
-    /// The preset that it starts from: `base`, or the one of its own name.
-    pub(super) fn preset(&self) -> Result<&'static Preset> {
-        let name = self.base.as_ref().unwrap_or(&self.name);
-        Preset::by_name(name).ok_or_else(|| {
-            let names = Preset::all().iter().map(Preset::name);
-            let known = names.clone().collect::<Vec<_>>().join(", ");
-            anyhow!("there is no preset '{name}'{} (there are {known})", nearest(name, names))
-        })
-    }
-}
-
 /// Names must be there, and each only once.
 fn check_names<'n>(kind: &str, names: impl IntoIterator<Item = &'n String>) -> Result<()> {
     let mut seen = HashSet::new();
@@ -296,14 +126,6 @@ fn check_names<'n>(kind: &str, names: impl IntoIterator<Item = &'n String>) -> R
     }
     ensure!(!seen.is_empty(), "there is no {kind}: write [[{kind}]]");
     Ok(())
-}
-
-/// Fields that an entry does not know must be settings.
-fn check_keys(settings: &toml::Table, own: &[&str]) -> Result<()> {
-    let Some(unknown) = settings.keys().find(|key| !Settings::has_key(key)) else { return Ok(()) };
-    let keys = Settings::keys();
-    let known = own.iter().copied().chain(keys.iter().map(String::as_str));
-    bail!("there is no key '{unknown}'{}", nearest(unknown, known))
 }
 
 /// One line with the place, and the nearest known key for an unknown one.

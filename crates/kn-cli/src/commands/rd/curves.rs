@@ -55,7 +55,7 @@ impl Quality {
         self != Self::Msdm2
     }
 
-    /// Which points of a line, by rising rate, have a value that no cheaper point reaches.
+    /// Marks the points of a line, by rising rate, whose value no cheaper point reaches.
     pub(super) fn front(self, line: &[(f64, f64, &str)]) -> Vec<bool> {
         let mut best = f64::NEG_INFINITY;
         let is_better = |point: &(f64, f64, &str)| {

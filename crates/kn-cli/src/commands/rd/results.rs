@@ -99,7 +99,7 @@ impl FrameResult {
     }
 }
 
-/// Which frames a rate is of.
+/// The frames that a rate is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Share {

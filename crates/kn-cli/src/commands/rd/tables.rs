@@ -117,7 +117,7 @@ impl Places {
             }
             match text.parse::<f64>() {
                 Ok(value) if value.is_finite() => Ok(Some(value)),
-                _ => bail!("'{text}' in the column {} is no number", &titles[at]),
+                _ => bail!("'{text}' in the column {} is not a number", &titles[at]),
             }
         };
         let Some(bytes) = number(self.bytes)? else { return Ok(None) };
@@ -171,7 +171,7 @@ mod tests {
         let missing = message(TEXT, "");
         assert!(missing.contains("a.csv: there is no column 'bytes_per_frame' (there are"));
         let bad = message(&TEXT.replace("200", "2oo"), COLUMNS);
-        assert!(bad.ends_with("a.csv: line 3: '2oo' in the column rate is no number"), "{bad}");
+        assert!(bad.ends_with("a.csv: line 3: '2oo' in the column rate is not a number"), "{bad}");
         let ragged = message(&TEXT.replace("a,y,50,0.9,40", "a,y"), COLUMNS);
         assert!(ragged.contains("line: 5"), "{ragged}");
         let none = message("sequence,codec,bytes_per_frame\n", "");
