@@ -3,7 +3,11 @@
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 use kn_bitstream::Rule;
 use kn_codec::{Decoder, FrameKind, digest};
@@ -184,10 +188,24 @@ pub struct Report {
 }
 
 impl Report {
-    /// Runs a decoder over all streams.
-    pub fn run(streams: &[Stream], decode: impl Fn(&Path) -> Outcome) -> Self {
-        let verdicts = streams.iter().map(|stream| judge(stream, &decode(&stream.path)));
-        Self { verdicts: verdicts.collect() }
+    /// Runs a decoder over all streams, `threads` of them at once.
+    pub fn run(
+        streams: &[Stream],
+        threads: NonZero<usize>,
+        decode: impl Fn(&Path) -> Outcome + Sync,
+    ) -> Self {
+        let verdicts: Vec<_> = streams.iter().map(|_| OnceLock::new()).collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            // Streams differ in size a hundred times: each thread takes the next that nobody has.
+            loop {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                let Some(stream) = streams.get(place) else { return };
+                verdicts[place].get_or_init(|| judge(stream, &decode(&stream.path)));
+            }
+        };
+        thread::scope(|scope| (0..threads.get()).for_each(|_| drop(scope.spawn(work))));
+        Self { verdicts: verdicts.into_iter().filter_map(OnceLock::into_inner).collect() }
     }
 
     /// Whether every stream passed.

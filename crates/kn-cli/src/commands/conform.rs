@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde_json::json;
 use std::fmt::Display;
 use std::io::Read;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -19,7 +20,8 @@ use std::time::Duration;
 #[command(after_help = "\
 A decoder conforms if for every stream in core/ and uncommon/ it prints the expected line per frame
 (`index kind #V #F sha256`) and exits with 0, and for every stream in faulty/ it exits with another
-code. Without --decoder the decoder of this program is checked. FOLDER is spec/conformance of kn's
+code. Without --decoder the decoder of this program is checked. --threads says how many
+decoders run at once. FOLDER is spec/conformance of kn's
 sources.
 
 A stream obeys the specification if this decoder, the syntax tables and a literal decoder accept it
@@ -76,9 +78,12 @@ pub(crate) fn run(arguments: &ConformArguments) -> Result<Outcome> {
     if let Some(command) = &arguments.decoder {
         check_runs(command)?;
     }
+    let threads = NonZero::new(rayon::current_num_threads()).unwrap_or(NonZero::<usize>::MIN);
     let report = match &arguments.decoder {
-        Some(command) => Report::run(&streams, |path: &Path| run_foreign(command, path, limit)),
-        None => Report::run(&streams, run_ours_on),
+        Some(command) => {
+            Report::run(&streams, threads, |path: &Path| run_foreign(command, path, limit))
+        }
+        None => Report::run(&streams, NonZero::<usize>::MIN, run_ours_on),
     };
     print_report(&report, report.passed(), arguments.json)
 }
