@@ -9,7 +9,7 @@ use libfuzzer_sys::{Corpus, fuzz_target};
 use tempfile::TempDir;
 
 static FOLDER: LazyLock<TempDir> = LazyLock::new(|| TempDir::new().expect("a folder"));
-const EXTENSIONS: [&str; 5] = ["obj", "ply", "off", "glb", "gltf"];
+const EXTENSIONS: [&str; 6] = ["obj", "ply", "off", "glb", "gltf", "stl"];
 
 fuzz_target!(init: kn_fuzz::one_thread(), |input: &[u8]| -> Corpus {
     // The first byte is the format's digit, so that seeds can be named by hand.

@@ -49,12 +49,9 @@ pub enum MeshErrorKind {
     /// The file ends before its content does.
     #[error("the file ends early: {0}")]
     Truncated(String),
-    /// A coordinate is NaN, infinite or beyond the range of binary32.
+    /// A coordinate is NaN, infinite or beyond the range of numbers.
     #[error("a coordinate is NaN or infinite")]
     NotFinite,
-    /// A face has one or two corners.
-    #[error("a face needs at least 3 corners, this one has {0}")]
-    FaceCorners(usize),
     /// A face names a vertex that does not exist. `index` is as written in the file.
     #[error("face index {index} is out of range: there are {vertices} vertices")]
     FaceIndex {
@@ -89,7 +86,7 @@ pub enum MeshErrorKind {
     #[error("{0}")]
     Unsupported(String),
     /// A pattern or folder has no mesh file.
-    #[error("no mesh file matches (.obj, .ply, .off, .glb, .gltf)")]
+    #[error("no mesh file matches (.obj, .ply, .off, .stl, .glb, .gltf)")]
     NoMatch,
     /// A pattern or folder has no label file.
     #[error("no label file matches")]
@@ -182,6 +179,14 @@ impl Place {
     /// Content here that breaks the rules of its format.
     pub(super) fn malformed(self, what: impl Into<String>) -> Fault {
         self.fault(MeshErrorKind::Malformed(what.into()))
+    }
+
+    /// The vertex that an index from 0 on means here; a fault where there is no such vertex.
+    pub(super) fn vertex(self, index: i64, vertices: usize) -> Result<u32, Fault> {
+        match u32::try_from(index) {
+            Ok(vertex) if (vertex as usize) < vertices => Ok(vertex),
+            _ => Err(self.fault(MeshErrorKind::FaceIndex { index, vertices })),
+        }
     }
 }
 

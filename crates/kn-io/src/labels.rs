@@ -1,6 +1,7 @@
 //! Reading of labels from a file beside the mesh, from a vertex property, or from colours.
 
-use super::read::{Parsed, read_file};
+use super::parsed::Parsed;
+use super::read::read_file;
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, Place, ReadOptions};
 use kn_bitstream::params::BodyPart;

@@ -1,4 +1,4 @@
-//! Reads scans from OBJ, PLY, OFF, GLB and glTF files, and writes meshes as OBJ, PLY and GLB.
+//! Reads scans from OBJ, PLY, OFF, STL, GLB and glTF files, and writes meshes as OBJ, PLY and GLB.
 //!
 //! Reading keeps the order and the number of the vertices, cuts polygons into triangles, and
 //! lists what it does not carry in [`ReadNotes`]. [`Inputs`] is a sequence of frames: a folder,
@@ -22,14 +22,21 @@ mod error;
 mod gltf;
 mod inputs;
 mod labels;
+mod materials;
 mod notes;
 mod obj;
 mod off;
+mod off_binary;
+mod parsed;
 mod ply;
+mod ply_header;
 mod ply_values;
+mod polygons;
 mod read;
 mod sequence;
+mod stl;
 mod text;
+mod triangulation;
 mod write;
 
 pub use atomic::write_atomically;
@@ -51,8 +58,10 @@ pub enum MeshFormat {
     Obj,
     /// Stanford PLY: ascii or binary of either byte order is read, binary is written.
     Ply,
-    /// Geomview OFF; read only.
+    /// Geomview OFF, text or binary; read only.
     Off,
+    /// STL, text or binary; read only.
+    Stl,
     /// glTF 2.0 in one binary file.
     Glb,
     /// glTF 2.0 as JSON with its buffers beside it or inside; read only.
@@ -66,6 +75,7 @@ impl MeshFormat {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "off" => Some(Self::Off),
+            "stl" => Some(Self::Stl),
             "glb" => Some(Self::Glb),
             "gltf" => Some(Self::Gltf),
             _ => None,
@@ -79,7 +89,7 @@ impl MeshFormat {
     pub fn of_path(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         Self::of_extension(&extension).ok_or_else(|| {
-            let what = "no known mesh format (.obj, .ply, .off, .glb, .gltf)";
+            let what = "no known mesh format (.obj, .ply, .off, .stl, .glb, .gltf)";
             MeshError::new(path, MeshErrorKind::Unsupported(what.into()))
         })
     }

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::AddAssign;
 
+/// A file may invent any number of kinds, but nobody reads a thousand.
+const MAX_KINDS: usize = 64;
+
 /// Notes of a reader: content that is not carried, and polygons that were cut. `+=` adds the notes
-/// of another frame.
+/// of another frame. There are at most 64 kinds of content; all others count as `other content`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadNotes {
-    /// Number of faces with more than three corners. They are cut into fans of triangles.
+    /// Number of faces with more than three corners. They are cut into triangles.
     pub polygons: u64,
-    /// Number of triangles of these fans.
+    /// Number of these triangles.
     pub polygon_triangles: u64,
     /// Kinds of content that are not carried, each with its count.
     pub ignored: BTreeMap<String, u64>,
@@ -23,18 +26,22 @@ impl ReadNotes {
     }
 
     /// Notes that `what` occurs `count` times and is not carried; 0 times is no note.
-    pub(super) fn ignore(&mut self, what: impl Into<String>, count: u64) {
-        if count > 0 {
-            *self.ignored.entry(what.into()).or_default() += count;
+    pub(super) fn ignore(&mut self, what: impl AsRef<str>, count: u64) {
+        if count == 0 {
+            return;
+        }
+        let known = self.ignored.len() < MAX_KINDS || self.ignored.contains_key(what.as_ref());
+        let what = if known { what.as_ref() } else { "other content" };
+        match self.ignored.get_mut(what) {
+            Some(sum) => *sum += count,
+            None => drop(self.ignored.insert(what.to_owned(), count)),
         }
     }
 
-    /// Notes that a face with so many corners is cut into triangles.
-    pub(super) fn polygon(&mut self, corners: usize) {
-        if corners > 3 {
-            self.polygons += 1;
-            self.polygon_triangles += corners as u64 - 2;
-        }
+    /// Notes that a face with more than three corners is cut into so many triangles.
+    pub(super) fn polygon(&mut self, triangles: usize) {
+        self.polygons += 1;
+        self.polygon_triangles += triangles as u64;
     }
 }
 
@@ -43,7 +50,7 @@ impl AddAssign<&ReadNotes> for ReadNotes {
         self.polygons += other.polygons;
         self.polygon_triangles += other.polygon_triangles;
         for (what, count) in &other.ignored {
-            self.ignore(what.clone(), *count);
+            self.ignore(what, *count);
         }
     }
 }
@@ -79,12 +86,13 @@ mod tests {
         let mut notes = ReadNotes::default();
         assert_eq!(notes.to_string(), "");
         notes.polygon(3);
-        notes.polygon(5);
         notes.ignore("normals", 8);
         notes.ignore("lines", 0);
         assert_eq!(notes.to_string(), "1 polygon cut into 3 triangles; not carried: normals (8)");
         let more = notes.clone();
         notes += &more;
         assert_eq!((notes.polygons, notes.ignored["normals"]), (2, 16));
+        (0..1000).for_each(|kind| notes.ignore(format!("statements {kind}"), 1));
+        assert_eq!((notes.ignored.len(), notes.ignored["other content"]), (65, 937));
     }
 }

@@ -1,62 +1,34 @@
 //! Wavefront OBJ: polygon faces with positions, in file order.
 //!
-//! tobj drops unreferenced vertices and renumbers the others by first use, so positions and faces
-//! are read here, and tobj reads the material libraries (see `docs/notes/reading-scans.md`).
+//! tobj drops unreferenced vertices and renumbers the others by first use, reads binary32, and
+//! panics on some material libraries, so OBJ is read here (see `docs/notes/reading-scans.md`).
 
-use super::read::Parsed;
-use super::text::{Lines, parse, shown, words};
-use super::{Fault, MeshErrorKind, Place, ReadNotes};
+use super::materials::note_materials;
+use super::parsed::Parsed;
+use super::text::{Lines, goes_on, number, shown, words};
+use super::{Fault, MeshErrorKind, Place};
 use kn_mesh::Mesh;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
-use std::path::{Component, Path};
+use std::path::Path;
 
 /// Reads an OBJ file's bytes. `folder` is where its material libraries lie.
 pub(super) fn read_obj(bytes: &[u8], folder: &Path) -> Result<Parsed, Fault> {
     let mut reader = ObjReader::default();
-    for (number, line) in Lines::new(bytes) {
+    let mut lines = Lines::new(bytes);
+    while let Some((number, line)) = lines.next() {
         reader.line = number;
-        reader.statement(line)?;
+        let whole = if goes_on(line) && holds_numbers(line) { lines.continued(line) } else { line };
+        reader.statement(whole)?;
     }
-    let vertices = reader.parsed.mesh.positions.len();
-    if let Some(&(line, index)) = reader.forward.iter().find(|(_, i)| *i > vertices as i64) {
-        return Err(Place::Line(line).fault(MeshErrorKind::FaceIndex { index, vertices }));
-    }
-    for name in &reader.libraries {
-        note_materials(folder, name, &mut reader.parsed.notes);
-    }
-    Ok(reader.parsed)
+    reader.finish(folder)
 }
 
-/// Notes how many materials and textures a library holds.
-fn note_materials(folder: &Path, name: &str, notes: &mut ReadNotes) {
-    let shown = name.escape_debug();
-    match load_materials(folder, name) {
-        Ok(materials) => {
-            let textures = materials.iter().map(texture_count).sum();
-            notes.ignore(format!("materials of {shown}"), materials.len() as u64);
-            notes.ignore(format!("textures of {shown}"), textures);
-        }
-        Err(reason) => notes.ignore(format!("material library {shown}: {reason}"), 1),
-    }
-}
-
-/// The largest material library that is looked into, in bytes.
-const MAX_LIBRARY_BYTES: u64 = 1 << 20;
-
-fn load_materials(folder: &Path, name: &str) -> Result<Vec<tobj::Material>, String> {
-    // A mesh file must not make us open devices or files elsewhere.
-    let path = Path::new(name);
-    if !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
-        return Err("not beside the mesh".into());
-    }
-    let path = folder.join(path);
-    match path.metadata() {
-        Ok(found) if found.is_file() && found.len() <= MAX_LIBRARY_BYTES => {}
-        Ok(_) => return Err("too large".into()),
-        Err(_) => return Err("not there".into()),
-    }
-    tobj::load_mtl(&path).map(|(materials, _)| materials).map_err(|error| error.to_string())
+/// Whether the statement of a line may go on in the next one. A comment or a name may end in a
+/// backslash, as a path does, and ends with its line.
+fn holds_numbers(line: &[u8]) -> bool {
+    let keyword = words(line).next().unwrap_or_default();
+    matches!(keyword, b"v" | b"vt" | b"vn" | b"vp" | b"f" | b"fo" | b"l" | b"p")
 }
 
 #[derive(Default)]
@@ -67,6 +39,8 @@ struct ObjReader {
     forward: Vec<(usize, i64)>,
     corners: Vec<u32>,
     libraries: BTreeSet<String>,
+    /// The first line that is not a statement of OBJ.
+    odd: Option<(usize, String)>,
 }
 
 impl ObjReader {
@@ -74,8 +48,8 @@ impl ObjReader {
         let mut words = words(line);
         let Some(keyword) = words.next() else { return Ok(()) };
         let ignored = match keyword {
-            b"v" => return self.vertex(words),
-            b"f" => return self.face(words),
+            b"v" | b"V" => return self.vertex(words),
+            b"f" | b"F" | b"fo" => return self.face(words),
             b"mtllib" => {
                 self.material_library(line);
                 return Ok(());
@@ -88,39 +62,44 @@ impl ObjReader {
             b"g" => "groups",
             b"s" => "smoothing groups",
             b"usemtl" => "uses of a material",
-            _ => return self.unknown(keyword),
+            _ => {
+                self.odd_line(keyword);
+                return Ok(());
+            }
         };
         self.parsed.notes.ignore(ignored, 1);
         Ok(())
     }
 
-    /// `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z w r g b`.
+    /// `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z w r g b`. What follows the position is
+    /// not carried, and may be no number at all.
     fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), Fault> {
-        let mut numbers = [0f32; 7];
+        let mut numbers = [0f64; 7];
         let mut count = 0;
         for word in words {
-            let Some(number) = parse::<f32>(word) else {
+            let value = number(word);
+            if count < 3 && value.is_none() {
                 return Err(self.malformed(format!("{} is not a number", shown(word))));
-            };
-            if !number.is_finite() {
-                return Err(Place::Line(self.line).fault(MeshErrorKind::NotFinite));
             }
             if count < numbers.len() {
-                numbers[count] = number;
+                numbers[count] = value.unwrap_or(f64::NAN);
             }
             count += 1;
         }
-        if !matches!(count, 3 | 4 | 6 | 7) {
+        if count < 3 {
             return Err(self.malformed(format!("a vertex has 3 coordinates, not {count}")));
         }
         let [x, y, z, ..] = numbers;
-        self.parsed.mesh.positions.push([x, y, z]);
-        if count >= 6 {
-            let colour = [numbers[count - 3], numbers[count - 2], numbers[count - 1]];
-            self.parsed.colours.push(colour.map(|channel| channel * 255.0));
-        }
-        if matches!(count, 4 | 7) {
-            self.parsed.notes.ignore("vertex weights", 1);
+        self.parsed.push_vertex([x, y, z], Place::Line(self.line));
+        match count {
+            3 => {}
+            4 => self.parsed.notes.ignore("vertex weights", 1),
+            6 | 7 => {
+                let colour = [numbers[count - 3], numbers[count - 2], numbers[count - 1]];
+                self.parsed.colours.push(colour.map(|channel| channel as f32 * 255.0));
+                self.parsed.notes.ignore("vertex weights", u64::from(count == 7));
+            }
+            _ => self.parsed.notes.ignore("further numbers of vertices", count as u64 - 3),
         }
         Ok(())
     }
@@ -134,7 +113,8 @@ impl ObjReader {
             let vertex = self.vertex_of(index)?;
             self.corners.push(vertex);
         }
-        self.parsed.push_polygon(&self.corners, Place::Line(self.line))
+        self.parsed.push_polygon(&self.corners);
+        Ok(())
     }
 
     /// The vertex that an index means: from 1 on, or backwards from the last vertex read so far.
@@ -155,23 +135,41 @@ impl ObjReader {
         }
     }
 
-    /// `mtllib file`: remembered, and read when the rest is known to be good.
+    /// `mtllib file`: remembered, and looked into when the rest is known to be good.
     fn material_library(&mut self, line: &[u8]) {
         let line = String::from_utf8_lossy(line.trim_ascii());
-        let name = line.strip_prefix("mtllib").unwrap_or(&line).trim();
-        self.libraries.insert(name.to_owned());
+        let name = line.strip_prefix("mtllib").unwrap_or(&line);
+        self.libraries.insert(name.trim_matches(|c: char| c.is_whitespace() || c == '\0').into());
     }
 
-    /// Statements of other kinds are listed; what does not even look like one is an error, so
-    /// that a file of another format is not read as an empty mesh.
-    fn unknown(&mut self, keyword: &[u8]) -> Result<(), Fault> {
+    /// Lines of other kinds are listed.
+    fn odd_line(&mut self, keyword: &[u8]) {
+        let shown = shown(keyword);
         let plausible = keyword.len() <= 16
             && keyword.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_');
-        if !plausible {
-            return Err(self.malformed(format!("{} is not an OBJ statement", shown(keyword))));
+        if plausible {
+            self.parsed.notes.ignore(format!("statements {shown}"), 1);
+        } else {
+            self.parsed.notes.ignore("lines that are not OBJ statements", 1);
         }
-        self.parsed.notes.ignore(format!("statements {}", shown(keyword)), 1);
-        Ok(())
+        self.odd.get_or_insert((self.line, shown));
+    }
+
+    /// Checks what only the whole file tells.
+    fn finish(mut self, folder: &Path) -> Result<Parsed, Fault> {
+        let vertices = self.parsed.mesh.positions.len();
+        if let Some(&(line, index)) = self.forward.iter().find(|(_, i)| *i > vertices as i64) {
+            return Err(Place::Line(line).fault(MeshErrorKind::FaceIndex { index, vertices }));
+        }
+        // A file of another format must not be read as an empty mesh.
+        if let (0, Some((line, word))) = (vertices, &self.odd) {
+            let what = format!("{word} is not an OBJ statement, and the file has no vertices");
+            return Err(Place::Line(*line).malformed(what));
+        }
+        for name in &self.libraries {
+            note_materials(folder, name, &mut self.parsed.notes);
+        }
+        Ok(self.parsed)
     }
 
     fn malformed(&self, what: String) -> Fault {
@@ -179,28 +177,13 @@ impl ObjReader {
     }
 }
 
-fn texture_count(material: &tobj::Material) -> u64 {
-    let textures = [
-        &material.ambient_texture,
-        &material.diffuse_texture,
-        &material.specular_texture,
-        &material.normal_texture,
-        &material.shininess_texture,
-        &material.dissolve_texture,
-    ];
-    textures.into_iter().flatten().count() as u64
-}
-
-/// The position index of a corner; `None` where the corner is not written as the format says.
+/// The position index of a corner; `None` where it has none. The indices after it are not carried,
+/// and may be missing.
 fn position_index(corner: &[u8]) -> Option<i64> {
-    let mut parts = corner.split(|&byte| byte == b'/');
-    let index = integer(parts.next()?)?;
-    for (at, part) in parts.enumerate() {
-        if at > 1 || !(part.is_empty() && at == 0) && integer(part).is_none() {
-            return None;
-        }
-    }
-    Some(index)
+    let end = corner.iter().position(|&byte| byte == b'/').unwrap_or(corner.len());
+    let (index, rest) = corner.split_at(end);
+    let indices = rest.iter().all(|byte| matches!(byte, b'0'..=b'9' | b'/' | b'+' | b'-'));
+    integer(index).filter(|_| indices)
 }
 
 /// A decimal integer of at most 18 digits. `str::parse` costs twice the time here.

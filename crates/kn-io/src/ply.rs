@@ -1,98 +1,90 @@
-//! Stanford PLY: header by ply-rs-bw, values read here.
+//! Stanford PLY, read and written.
 //!
-//! ply-rs-bw's value reader loops over elements without properties, drops surplus values silently
-//! and names no vertex (see `docs/notes/reading-scans.md`).
+//! ply-rs-bw takes fewer headers than are found, its value reader loops over elements without
+//! properties, drops surplus values silently and names no vertex (see
+//! `docs/notes/reading-scans.md`).
 
+use super::parsed::Parsed;
+use super::ply_header::{Element, Kind, Property, Scalar, read_header};
 use super::ply_values::Values;
-use super::read::Parsed;
-use super::{Fault, MeshErrorKind, Place};
+use super::{Fault, Place};
 use kn_mesh::Mesh;
-use ply_rs_bw::parser::{Parser, Reader};
-use ply_rs_bw::ply::{DefaultElement, ElementDef, Header, PropertyDef, PropertyType, ScalarType};
 use std::io::{self, Write};
 
 /// Reads a PLY file's bytes: ascii, binary little-endian or binary big-endian.
 pub(super) fn read_ply(bytes: &[u8]) -> Result<Parsed, Fault> {
-    let mut reader = Reader::new(bytes);
-    let header = Parser::<DefaultElement>::new()
-        .read_header(&mut reader)
-        .map_err(|error| header_fault(&error))?;
-    let payload_line = reader.line();
-    let mut values = Values::new(header.encoding, reader.into_inner(), payload_line);
-
+    let (header, payload) = read_header(bytes)?;
+    let mut values = Values::new(&header, payload);
     let mut parsed = Parsed::default();
-    for element in header.elements.values() {
+    let vertices = vertex_count(&header.elements)?;
+    for element in &header.elements {
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut values, &mut parsed)?,
-            "face" => read_faces(element, vertex_count(&header), &mut values, &mut parsed)?,
-            "tristrips" => {
-                let what = "triangle strips in PLY are not read, only faces";
-                return Err(MeshErrorKind::Unsupported(what.into()).into());
-            }
+            "face" => read_faces(element, vertices, &mut values, &mut parsed)?,
+            "tristrips" => read_strips(element, vertices, &mut values, &mut parsed)?,
             _ => skip_element(element, &mut values, &mut parsed)?,
         }
     }
     parsed.notes.ignore("bytes after the last element", values.left_over() as u64);
-    note_properties(&header, &mut parsed);
     Ok(parsed)
 }
 
-fn header_fault(error: &ply_rs_bw::parser::ParseError) -> Fault {
-    // Its messages repeat the line and the grammar on further lines; the first says enough.
-    let message = error.to_string();
-    let first = message.lines().next().unwrap_or_default();
-    let what = first.split_once(": ").map_or(first, |(_, what)| what);
-    let place = error.line().map_or(Place::File, Place::Line);
-    if error.kind() == io::ErrorKind::UnexpectedEof {
-        return place.fault(MeshErrorKind::Truncated("in the PLY header".into()));
+fn vertex_count(elements: &[Element]) -> Result<usize, Fault> {
+    let mut counts = elements.iter().filter(|element| element.name == "vertex").map(|e| e.count);
+    let count = counts.next().unwrap_or(0);
+    match counts.next() {
+        Some(_) => Err(Place::File.malformed("PLY header: there are two elements \"vertex\"")),
+        None => Ok(count),
     }
-    place.malformed(format!("PLY header: {what}"))
-}
-
-fn vertex_count(header: &Header) -> usize {
-    header.elements.get("vertex").map_or(0, |element| element.count)
 }
 
 /// The use of a vertex property.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Coordinate(usize),
-    /// A colour channel, and what makes its full value 255.
-    Colour(usize, f32),
+    /// A colour channel.
+    Colour(usize),
     Label,
     Ignored,
 }
 
-fn role_of(property: &PropertyDef) -> Role {
-    let PropertyType::Scalar(scalar) = &property.data_type else { return Role::Ignored };
-    let full = match scalar {
-        ScalarType::Float | ScalarType::Double => 255.0,
-        _ => 1.0,
-    };
+fn role_of(property: &Property) -> Role {
     match property.name.as_str() {
         "x" => Role::Coordinate(0),
         "y" => Role::Coordinate(1),
         "z" => Role::Coordinate(2),
-        "red" | "diffuse_red" => Role::Colour(0, full),
-        "green" | "diffuse_green" => Role::Colour(1, full),
-        "blue" | "diffuse_blue" => Role::Colour(2, full),
+        "red" | "diffuse_red" => Role::Colour(0),
+        "green" | "diffuse_green" => Role::Colour(1),
+        "blue" | "diffuse_blue" => Role::Colour(2),
         "label" => Role::Label,
         _ => Role::Ignored,
     }
 }
 
+/// The use of every vertex property. Of several with the same use, the first has it.
+fn roles_of(element: &Element) -> Vec<(Kind, Role)> {
+    let mut roles: Vec<(Kind, Role)> = Vec::new();
+    for property in &element.properties {
+        let role = match property.kind {
+            Kind::Scalar(_) => role_of(property),
+            Kind::List(..) => Role::Ignored,
+        };
+        let taken = roles.iter().any(|(_, other)| *other == role);
+        roles.push((property.kind, if taken { Role::Ignored } else { role }));
+    }
+    roles
+}
+
 /// A vertex while its properties come in.
-struct VertexReader<'a> {
-    properties: Vec<(&'a PropertyType, Role)>,
+struct VertexReader {
+    properties: Vec<(Kind, Role)>,
     has_colour: bool,
-    position: [f32; 3],
+    position: [f64; 3],
     colour: [f32; 3],
-    /// Coordinates whose binary64 value is no binary32.
-    inexact: u64,
 }
 
 fn read_vertices<'a>(
-    element: &'a ElementDef,
+    element: &'a Element,
     values: &mut Values<'a>,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
@@ -103,44 +95,39 @@ fn read_vertices<'a>(
         reader.read(values, place, parsed)?;
         values.end()?;
     }
-    parsed.notes.ignore("coordinates rounded to binary32", reader.inexact);
+    note_properties(element, parsed, |at| reader.properties[at].1 != Role::Ignored);
     Ok(())
 }
 
-impl<'a> VertexReader<'a> {
-    fn new(element: &'a ElementDef) -> Result<Self, Fault> {
-        let properties: Vec<_> =
-            element.properties.values().map(|p| (&p.data_type, role_of(p))).collect();
+impl VertexReader {
+    fn new(element: &Element) -> Result<Self, Fault> {
+        let properties = roles_of(element);
         let has = |role: Role| properties.iter().any(|(_, found)| *found == role);
         if !(0..3).all(|axis| has(Role::Coordinate(axis))) {
             return Err(Place::File.malformed("PLY header: the vertices have no x, y and z"));
         }
-        let is_colour = |(_, role): &&(_, Role)| matches!(role, Role::Colour(..));
-        let has_colour = properties.iter().filter(is_colour).count() == 3;
-        Ok(Self { properties, has_colour, position: [0.0; 3], colour: [0.0; 3], inexact: 0 })
+        let has_colour = (0..3).all(|channel| has(Role::Colour(channel)));
+        Ok(Self { properties, has_colour, position: [0.0; 3], colour: [0.0; 3] })
     }
 
     fn read(&mut self, values: &mut Values, place: Place, out: &mut Parsed) -> Result<(), Fault> {
-        for (data_type, role) in &self.properties {
-            let PropertyType::Scalar(scalar) = data_type else {
-                values.skip(data_type)?;
+        for &(kind, role) in &self.properties {
+            let Kind::Scalar(scalar) = kind else {
+                values.skip(kind)?;
                 continue;
             };
             let value = values.scalar(scalar)?;
-            match *role {
-                Role::Coordinate(axis) => {
-                    self.position[axis] = value as f32;
-                    self.inexact += u64::from(f64::from(self.position[axis]) != value);
+            match role {
+                Role::Coordinate(axis) => self.position[axis] = value,
+                Role::Colour(channel) => {
+                    let full = if scalar.is_integer() { 1.0 } else { 255.0 };
+                    self.colour[channel] = value as f32 * full;
                 }
-                Role::Colour(channel, full) => self.colour[channel] = value as f32 * full,
                 Role::Label => out.labels.push(whole(value, place, "label")?),
                 Role::Ignored => {}
             }
         }
-        if !self.position.iter().all(|coordinate| coordinate.is_finite()) {
-            return Err(place.fault(MeshErrorKind::NotFinite));
-        }
-        out.mesh.positions.push(self.position);
+        out.push_vertex(self.position, place);
         if self.has_colour {
             out.colours.push(self.colour);
         }
@@ -149,46 +136,120 @@ impl<'a> VertexReader<'a> {
 }
 
 fn read_faces<'a>(
-    element: &'a ElementDef,
+    element: &'a Element,
     vertices: usize,
     values: &mut Values<'a>,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
+    let list = corner_list(element)?;
     let mut corners = Vec::new();
     for face in 0..element.count {
         values.begin(element, face)?;
         let place = values.place(Place::Face(face));
         corners.clear();
-        for property in element.properties.values() {
-            match &property.data_type {
-                PropertyType::List(length, index) if is_corner_list(property) => {
+        for (at, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List(length, index) if at == list => {
                     for _ in 0..values.list_length(length)? {
                         let index = whole(values.scalar(index)?, place, "face index")?;
-                        corners.push(vertex_at(index, vertices, place)?);
+                        corners.push(place.vertex(index, vertices)?);
                     }
                 }
-                data_type => values.skip(data_type)?,
+                kind => values.skip(kind)?,
             }
         }
         values.end()?;
-        parsed.push_polygon(&corners, place)?;
+        parsed.push_polygon(&corners);
+    }
+    note_properties(element, parsed, |at| at == list);
+    Ok(())
+}
+
+/// The list that holds the corners of faces or the vertices of strips: the first of the usual names,
+/// else the only list of integers.
+fn corner_list(element: &Element) -> Result<usize, Fault> {
+    let lists = || {
+        let of_integers = |property: &Property| match property.kind {
+            Kind::List(_, item) => item.is_integer(),
+            Kind::Scalar(_) => false,
+        };
+        element.properties.iter().enumerate().filter(move |(_, p)| of_integers(p))
+    };
+    let usual = |property: &Property| {
+        let list = matches!(property.kind, Kind::List(..));
+        list && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+    };
+    let only = || lists().next().filter(|_| lists().count() == 1).map(|(at, _)| at);
+    element.properties.iter().position(usual).or_else(only).ok_or_else(|| {
+        let name = &element.name;
+        let what = format!("PLY header: no list of element \"{name}\" is called vertex_indices");
+        Place::File.malformed(what)
+    })
+}
+
+/// Triangle strips, parted by negative numbers. Every second triangle of a strip is turned.
+fn read_strips<'a>(
+    element: &'a Element,
+    vertices: usize,
+    values: &mut Values<'a>,
+    parsed: &mut Parsed,
+) -> Result<(), Fault> {
+    let list = corner_list(element)?;
+    for at in 0..element.count {
+        values.begin(element, at)?;
+        for (at, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List(length, index) if at == list => {
+                    let length = values.list_length(length)?;
+                    read_strip(length, index, vertices, values, parsed)?;
+                }
+                kind => values.skip(kind)?,
+            }
+        }
+        values.end()?;
+    }
+    note_properties(element, parsed, |at| at == list);
+    Ok(())
+}
+
+fn read_strip(
+    length: u64,
+    scalar: Scalar,
+    vertices: usize,
+    values: &mut Values,
+    parsed: &mut Parsed,
+) -> Result<(), Fault> {
+    let place = values.place(Place::File);
+    // The last two vertices, and how many the strip has so far.
+    let (mut last, mut count) = ([0; 2], 0u64);
+    for _ in 0..length {
+        let index = whole(values.scalar(scalar)?, place, "strip index")?;
+        // A strip of unsigned numbers ends in −1 all the same.
+        if index < 0 || (scalar == Scalar::Uint32 && index == i64::from(u32::MAX)) {
+            count = 0;
+            continue;
+        }
+        let vertex = place.vertex(index, vertices)?;
+        count += 1;
+        if count > 2 {
+            let [a, b] = last;
+            let turned = count.is_multiple_of(2);
+            parsed.push_polygon(&if turned { [b, a, vertex] } else { [a, b, vertex] });
+        }
+        last = [last[1], vertex];
     }
     Ok(())
 }
 
-fn is_corner_list(property: &PropertyDef) -> bool {
-    matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
-}
-
 fn skip_element<'a>(
-    element: &'a ElementDef,
+    element: &'a Element,
     values: &mut Values<'a>,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     for at in 0..element.count {
         values.begin(element, at)?;
-        for property in element.properties.values() {
-            values.skip(&property.data_type)?;
+        for property in &element.properties {
+            values.skip(property.kind)?;
         }
         values.end()?;
     }
@@ -206,25 +267,11 @@ fn whole(value: f64, place: Place, what: &str) -> Result<i64, Fault> {
     }
 }
 
-fn vertex_at(index: i64, vertices: usize, place: Place) -> Result<u32, Fault> {
-    match u32::try_from(index) {
-        Ok(vertex) if (vertex as usize) < vertices => Ok(vertex),
-        _ => Err(place.fault(MeshErrorKind::FaceIndex { index, vertices })),
-    }
-}
-
-/// Lists the properties that were read over.
-fn note_properties(header: &Header, parsed: &mut Parsed) {
-    for element in header.elements.values() {
-        for property in element.properties.values() {
-            let carried = match element.name.as_str() {
-                "vertex" => role_of(property) != Role::Ignored,
-                "face" => is_corner_list(property),
-                _ => true,
-            };
-            if !carried {
-                parsed.notes.ignore(group_of(&element.name, &property.name), element.count as u64);
-            }
+/// Lists the properties of an element that were read over.
+fn note_properties(element: &Element, parsed: &mut Parsed, carried: impl Fn(usize) -> bool) {
+    for (at, property) in element.properties.iter().enumerate() {
+        if !carried(at) {
+            parsed.notes.ignore(group_of(&element.name, &property.name), element.count as u64);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The values after a PLY header, in any of its three encodings.
 
-use super::text::{Lines, parse, shown};
+use super::ply_header::{Element, Encoding, Header, Kind, Scalar};
+use super::text::{Lines, is_blank_line, next_word, number, shown};
 use super::{Fault, MeshErrorKind, Place};
-use ply_rs_bw::ply::{ElementDef, Encoding, PropertyType, ScalarType};
 
 /// Reads values one after the other, and knows for its messages what they belong to.
 pub(super) struct Values<'a> {
@@ -26,20 +26,21 @@ enum Source<'a> {
 }
 
 impl<'a> Values<'a> {
-    /// Starts at the first byte after the header, which begins line `line` of the file.
-    pub(super) fn new(encoding: Encoding, bytes: &'a [u8], line: usize) -> Self {
-        let source = match encoding {
+    /// Starts at the first byte after the header.
+    pub(super) fn new(header: &Header, bytes: &'a [u8]) -> Self {
+        let number = header.next_line;
+        let source = match header.encoding {
             Encoding::Ascii => {
-                Source::Ascii { lines: Lines::numbered_from(bytes, line), line: &[], number: line }
+                Source::Ascii { lines: Lines::numbered_from(bytes, number), line: &[], number }
             }
-            Encoding::BinaryLittleEndian => Source::Binary { bytes, big_endian: false },
-            Encoding::BinaryBigEndian => Source::Binary { bytes, big_endian: true },
+            Encoding::LittleEndian => Source::Binary { bytes, big_endian: false },
+            Encoding::BigEndian => Source::Binary { bytes, big_endian: true },
         };
         Self { source, element: ("", 0), count: 0 }
     }
 
     /// Goes to element `at` of its kind: in ascii, to the next line that is not blank.
-    pub(super) fn begin(&mut self, element: &'a ElementDef, at: usize) -> Result<(), Fault> {
+    pub(super) fn begin(&mut self, element: &'a Element, at: usize) -> Result<(), Fault> {
         self.element = (&element.name, at);
         self.count = element.count;
         if element.properties.is_empty() {
@@ -47,7 +48,7 @@ impl<'a> Values<'a> {
             return Err(Place::File.malformed(what));
         }
         if let Source::Ascii { lines, line, number } = &mut self.source {
-            let next = lines.find(|(_, text)| !text.trim_ascii().is_empty());
+            let next = lines.find(|(_, text)| !is_blank_line(text));
             let Some((next_number, text)) = next else { return Err(self.truncated()) };
             (*number, *line) = (next_number, text);
         }
@@ -57,7 +58,7 @@ impl<'a> Values<'a> {
     /// Leaves the element: in ascii, nothing may be left on its line.
     pub(super) fn end(&mut self) -> Result<(), Fault> {
         match &self.source {
-            Source::Ascii { line, number, .. } if !line.trim_ascii().is_empty() => {
+            Source::Ascii { line, number, .. } if !is_blank_line(line) => {
                 let what = format!("{} is one value too many", shown(line.trim_ascii()));
                 Err(Place::Line(*number).malformed(what))
             }
@@ -73,36 +74,35 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// One number. Every type of PLY fits binary64 exactly.
-    pub(super) fn scalar(&mut self, data_type: &ScalarType) -> Result<f64, Fault> {
+    /// One number. Every type of PLY fits binary64 exactly, and decimals are read in binary64
+    /// whatever their type: a file may have more digits than it promises.
+    pub(super) fn scalar(&mut self, scalar: Scalar) -> Result<f64, Fault> {
         match &mut self.source {
-            Source::Ascii { line, number, .. } => {
-                let place = Place::Line(*number);
+            Source::Ascii { line, number: at, .. } => {
+                let place = Place::Line(*at);
                 let word = next_word(line);
                 if word.is_empty() {
                     return Err(place.malformed("the line has too few values"));
                 }
-                // A float is rounded once, from its decimals to binary32.
-                let value = match data_type {
-                    ScalarType::Float => parse::<f32>(word).map(f64::from),
-                    _ => parse::<f64>(word),
-                };
-                value.ok_or_else(|| place.malformed(format!("{} is not a number", shown(word))))
+                number(word)
+                    .ok_or_else(|| place.malformed(format!("{} is not a number", shown(word))))
             }
-            Source::Binary { .. } => self.binary(data_type),
+            Source::Binary { .. } => self.binary(scalar),
         }
     }
 
-    fn binary(&mut self, data_type: &ScalarType) -> Result<f64, Fault> {
-        Ok(match data_type {
-            ScalarType::Char => f64::from(i8::from_le_bytes(self.take()?)),
-            ScalarType::UChar => f64::from(u8::from_le_bytes(self.take()?)),
-            ScalarType::Short => f64::from(i16::from_le_bytes(self.take()?)),
-            ScalarType::UShort => f64::from(u16::from_le_bytes(self.take()?)),
-            ScalarType::Int => f64::from(i32::from_le_bytes(self.take()?)),
-            ScalarType::UInt => f64::from(u32::from_le_bytes(self.take()?)),
-            ScalarType::Float => f64::from(f32::from_le_bytes(self.take()?)),
-            ScalarType::Double => f64::from_le_bytes(self.take()?),
+    fn binary(&mut self, scalar: Scalar) -> Result<f64, Fault> {
+        Ok(match scalar {
+            Scalar::Int8 => f64::from(i8::from_le_bytes(self.take()?)),
+            Scalar::Uint8 => f64::from(u8::from_le_bytes(self.take()?)),
+            Scalar::Int16 => f64::from(i16::from_le_bytes(self.take()?)),
+            Scalar::Uint16 => f64::from(u16::from_le_bytes(self.take()?)),
+            Scalar::Int32 => f64::from(i32::from_le_bytes(self.take()?)),
+            Scalar::Uint32 => f64::from(u32::from_le_bytes(self.take()?)),
+            Scalar::Int64 => i64::from_le_bytes(self.take()?) as f64,
+            Scalar::Uint64 => u64::from_le_bytes(self.take()?) as f64,
+            Scalar::Float32 => f64::from(f32::from_le_bytes(self.take()?)),
+            Scalar::Float64 => f64::from_le_bytes(self.take()?),
         })
     }
 
@@ -122,9 +122,10 @@ impl<'a> Values<'a> {
     }
 
     /// The length of a list.
-    pub(super) fn list_length(&mut self, data_type: &ScalarType) -> Result<u64, Fault> {
-        let length = self.scalar(data_type)?;
-        if length < 0.0 || length.fract() != 0.0 || length > f64::from(u32::MAX) {
+    pub(super) fn list_length(&mut self, scalar: Scalar) -> Result<u64, Fault> {
+        let length = self.scalar(scalar)?;
+        // The comparison fails for NaN too.
+        if !(0.0..=f64::from(u32::MAX)).contains(&length) || length.fract() != 0.0 {
             let (name, at) = self.element;
             let what = format!("{length} is not a length for a list of {name} {at}");
             return Err(self.place(Place::File).malformed(what));
@@ -133,10 +134,10 @@ impl<'a> Values<'a> {
     }
 
     /// Reads over one property.
-    pub(super) fn skip(&mut self, data_type: &PropertyType) -> Result<(), Fault> {
-        match data_type {
-            PropertyType::Scalar(scalar) => self.scalar(scalar).map(drop),
-            PropertyType::List(length, scalar) => {
+    pub(super) fn skip(&mut self, kind: Kind) -> Result<(), Fault> {
+        match kind {
+            Kind::Scalar(scalar) => self.scalar(scalar).map(drop),
+            Kind::List(length, scalar) => {
                 for _ in 0..self.list_length(length)? {
                     self.scalar(scalar)?;
                 }
@@ -147,8 +148,9 @@ impl<'a> Values<'a> {
 
     /// The bytes after everything that was read, blank ones in ascii not counted.
     pub(super) fn left_over(self) -> usize {
+        let in_line = |line: &[u8]| if is_blank_line(line) { 0 } else { line.trim_ascii().len() };
         match self.source {
-            Source::Ascii { lines, .. } => lines.map(|(_, line)| line.trim_ascii().len()).sum(),
+            Source::Ascii { lines, .. } => lines.map(|(_, line)| in_line(line)).sum(),
             Source::Binary { bytes, .. } => bytes.len(),
         }
     }
@@ -158,13 +160,4 @@ impl<'a> Values<'a> {
         let what = format!("{name} {at} of {} is not there", self.count);
         Place::File.fault(MeshErrorKind::Truncated(what))
     }
-}
-
-/// Takes the next word off a line; empty at its end.
-fn next_word<'a>(line: &mut &'a [u8]) -> &'a [u8] {
-    let text = line.trim_ascii_start();
-    let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
-    let (word, rest) = text.split_at(end);
-    *line = rest;
-    word
 }

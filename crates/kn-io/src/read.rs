@@ -1,9 +1,9 @@
 //! Reading one mesh file of any known format.
 
-use super::{Fault, MeshError, MeshErrorKind, MeshFormat, Place, ReadNotes, gltf, labels};
-use super::{obj, off, ply};
+use super::text::in_utf8;
+use super::{MeshError, MeshErrorKind, MeshFormat, ReadNotes, gltf, obj, off, ply, stl};
 use kn_bitstream::params::BodyPart;
-use kn_mesh::{Mesh, MeshFault};
+use kn_mesh::Mesh;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,10 @@ impl Default for ReadOptions {
     }
 }
 
-/// A mesh as it is in a file: every vertex in file order, polygons cut into fans of triangles.
+/// A mesh as it is in a file: every vertex in file order, polygons cut into triangles.
+///
+/// A vertex that is NaN or infinite and that no face uses has the position of a vertex that is
+/// used: cleaning drops it, and the vertices after it keep their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scan {
     /// The mesh. It passes [`Mesh::check`].
@@ -60,7 +63,7 @@ pub struct Scan {
 /// the file's size.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Reads an OBJ, PLY, OFF, GLB or glTF file; the extension says which. Of a glTF file the rest pose
+/// Reads an OBJ, PLY, OFF, STL, GLB or glTF file; the extension says which. Of a glTF file the rest pose
 /// of the default scene is read; for its animation see [`Inputs`](super::Inputs).
 ///
 /// Safe on untrusted files: returns an error or a mesh with indices in range, never panics,
@@ -73,9 +76,10 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> 
     let bytes = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let parsed = match format {
-        MeshFormat::Obj => obj::read_obj(&bytes, folder),
-        MeshFormat::Ply => ply::read_ply(&bytes),
-        MeshFormat::Off => off::read_off(&bytes),
+        MeshFormat::Obj => obj::read_obj(&in_utf8(&bytes), folder),
+        MeshFormat::Ply => ply::read_ply(&in_utf8(&bytes)),
+        MeshFormat::Off => off::read_off(&in_utf8(&bytes)),
+        MeshFormat::Stl => stl::read_stl(&bytes),
         MeshFormat::Glb | MeshFormat::Gltf => gltf::read_rest_pose(bytes, folder),
     };
     parsed.map_err(|fault| fault.at(path))?.finish(path, options)
@@ -102,50 +106,4 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, MeshError> {
         return Err(MeshError::new(path, MeshErrorKind::Empty("the file is empty")));
     }
     Ok(bytes)
-}
-
-/// The result of a format's reader: the mesh without labels, and the sources of labels.
-#[derive(Default)]
-pub(super) struct Parsed {
-    pub(super) mesh: Mesh,
-    /// `#V` values of a vertex property `label`, or empty.
-    pub(super) labels: Vec<i64>,
-    /// `#V × 3` vertex colours, 0 to 255, or empty.
-    pub(super) colours: Vec<[f32; 3]>,
-    pub(super) notes: ReadNotes,
-}
-
-impl Parsed {
-    /// Adds a face with three or more corners as a fan around its first.
-    pub(super) fn push_polygon(&mut self, corners: &[u32], place: Place) -> Result<(), Fault> {
-        let [first, rest @ ..] = corners else {
-            return Err(place.fault(MeshErrorKind::FaceCorners(0)));
-        };
-        if rest.len() < 2 {
-            return Err(place.fault(MeshErrorKind::FaceCorners(corners.len())));
-        }
-        self.mesh.faces.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-        self.notes.polygon(corners.len());
-        Ok(())
-    }
-
-    /// Takes the labels from where `options` say and checks the mesh as a whole.
-    pub(super) fn finish(mut self, path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> {
-        if self.mesh.positions.is_empty() {
-            return Err(MeshError::new(path, MeshErrorKind::Empty("the mesh has no vertices")));
-        }
-        if self.mesh.faces.is_empty() && !options.allow_no_faces {
-            return Err(MeshError::new(path, MeshErrorKind::NoFaces));
-        }
-        self.mesh.labels = labels::take_labels(&mut self, path, options)?;
-        self.notes.ignore("colours", self.colours.len() as u64);
-        self.notes.ignore("labels", self.labels.len() as u64);
-        match self.mesh.check() {
-            Ok(()) => Ok(Scan { mesh: self.mesh, notes: self.notes }),
-            Err(MeshFault::NotFinite { vertex }) => {
-                Err(Place::Vertex(vertex).fault(MeshErrorKind::NotFinite).at(path))
-            }
-            Err(fault) => Err(MeshError::new(path, MeshErrorKind::Malformed(fault.to_string()))),
-        }
-    }
 }

@@ -333,7 +333,7 @@ mod tests {
     #[test]
     fn what_is_unclear_is_an_error() {
         let message = |names, spec| find(names, spec, Kind::Meshes).expect_err("must fail");
-        assert!(message(&["a.obj"], "*.ply").ends_with("(.obj, .ply, .off, .glb, .gltf)"));
+        assert!(message(&["a.obj"], "*.ply").ends_with("(.obj, .ply, .off, .stl, .glb, .gltf)"));
         assert!(message(&["a.txt"], "").contains("no mesh file matches"));
         assert!(message(&["a.obj"], "b.obj").contains("b.obj: No such file"));
         assert!(message(&["a.obj", "a.ply"], "").contains("several formats match"));

@@ -23,6 +23,7 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
             writer.finish()
         }
         MeshFormat::Off => Err(unsupported(path, "OFF files are read, but not written")),
+        MeshFormat::Stl => Err(unsupported(path, "STL files are read, but not written")),
         MeshFormat::Gltf => Err(unsupported(path, "glTF files are written as .glb")),
     }
 }

@@ -11,6 +11,7 @@ mod large_motion;
 mod metrics_growth;
 mod metrics_stages;
 mod motion_table;
+mod mutations;
 mod performer_frames;
 mod registration_table;
 mod segment_report;
@@ -64,6 +65,12 @@ const PROGRAMS: &[Program] = &[
         arguments: "[FOLDER FIRST COUNT]",
         about: "distortion of P-frames with rigid and with affine key nodes",
         run: motion_table::run,
+    },
+    Program {
+        name: "mutations",
+        arguments: "KN [COUNT [FIRST]]",
+        about: "how `kn encode` ends on odd and broken mesh files",
+        run: mutations::run,
     },
     Program {
         name: "performer-frames",

@@ -1,4 +1,9 @@
-//! Finds the data that tests, benches and tools measure on. It is not part of the project
+//! Data for tests, benches and tools: [`mutation`] makes odd mesh files, the rest finds measured
+//! sequences.
+//!
+//! # Measured sequences
+//!
+//! They are the data that tests, benches and tools measure on. It is not part of the project
 //! (`docs/data.md`).
 //!
 //! The environment variable `KN_DATA` names the folder of the sequences, `KN_ORACLE` the folder of
@@ -8,6 +13,8 @@
 //! Tests whose data is absent are skipped with one line on standard error each:
 //! `skipped: TEST: the sequence dancer is absent: set KN_DATA (docs/data.md)`. The line goes past
 //! the test harness's capture, so `.ci/run tests` can count it.
+
+pub mod mutation;
 
 use std::collections::BTreeSet;
 use std::io::Write;

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 /// Measure the distortion between two meshes or sequences
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Each side is a mesh (OBJ, PLY, OFF, glTF), a folder, a pattern in quotes, or a .knm file. Relative
+Each side is a mesh (OBJ, PLY, OFF, STL, glTF), a folder, a pattern in quotes, or a .knm file. Relative
 distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
 encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of

@@ -31,7 +31,7 @@ Examples:
   kn register a.obj b.obj -o a_as_b.ply --nodes 400
   kn register a.obj b.obj -o out.obj --truth a_in_b.obj --json | jq .truth")]
 pub(crate) struct RegisterArguments {
-    /// The mesh to deform (OBJ, PLY, OFF, glTF)
+    /// The mesh to deform (OBJ, PLY, OFF, STL, glTF)
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
     /// The mesh to deform it to

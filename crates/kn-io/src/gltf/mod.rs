@@ -15,7 +15,7 @@ mod write;
 pub(super) use scene::Scene;
 pub use write::GlbWriter;
 
-use super::read::Parsed;
+use super::parsed::Parsed;
 use super::{Fault, Place};
 use std::path::Path;
 

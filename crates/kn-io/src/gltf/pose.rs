@@ -1,7 +1,7 @@
 //! The mesh that a scene shows at rest or in a frame of its animation.
 
 use super::super::Fault;
-use super::super::read::Parsed;
+use super::super::parsed::Parsed;
 use super::nodes::Nodes;
 use super::scene::{Part, Scene, Skin};
 use glam::{DMat3, DMat4, DVec3};
