@@ -1,6 +1,9 @@
 //! Polygons become triangles that fill them, whatever their form, and frames that have the same
 //! faces are cut in the same way.
 
+// Tests may use the platform's functions.
+#![allow(clippy::disallowed_methods)]
+
 use kn_io::{ReadOptions, Scan, read_mesh};
 
 fn read(name: &str, text: &str) -> Scan {
