@@ -108,19 +108,29 @@ impl Surface {
         }
     }
 
-    /// About `count` vertices, one for every equal piece of area, in vertex order; components
-    /// below 1 % of the area are taken for dirt and skipped.
+    /// Whether vertex `v` belongs to a component of at least 1 % of the area: smaller ones are taken
+    /// for dirt.
+    fn is_clean(&self, v: usize, total: f64) -> bool {
+        match self.components.of_vertex[v] {
+            Components::ISOLATED => false,
+            component => self.component_areas[component as usize] >= 0.01 * total,
+        }
+    }
+
+    /// Share of the area that is not taken for dirt.
+    pub(super) fn clean_share(&self) -> f64 {
+        let total = self.area();
+        let clean = (0..self.points.len()).filter(|&v| self.is_clean(v, total));
+        clean.map(|v| self.areas[v]).sum::<f64>() / total
+    }
+
+    /// About `count` vertices, one for every equal piece of area, in vertex order. Dirt is skipped.
     pub(super) fn samples(&self, count: usize) -> Samples {
         let total = self.area();
-        let component_area = |v: usize| match self.components.of_vertex[v] {
-            Components::ISOLATED => 0.0,
-            component => self.component_areas[component as usize],
-        };
-        let clean = |v: usize| component_area(v) >= 0.01 * total;
         let step = total / count as f64;
         let (mut sum, mut next) = (0.0, 0.5 * step);
         let mut samples = Samples::default();
-        for v in (0..self.points.len()).filter(|&v| clean(v)) {
+        for v in (0..self.points.len()).filter(|&v| self.is_clean(v, total)) {
             sum += self.areas[v];
             if sum >= next {
                 samples.points.push(self.points[v]);

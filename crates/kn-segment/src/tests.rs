@@ -141,6 +141,42 @@ fn refuses_what_is_no_mesh() {
     assert_eq!(run(&corner, &[[0, 1, 1]]), SegmentError::NoArea);
 }
 
+/// Faces with corners of their own: triangles of one size along a helix.
+fn loose_triangles(count: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let corners = |i: u32| {
+        let (angle, up) = (0.7 * i as f32, 1.7 * i as f32 / count as f32);
+        let (x, z) = (0.2 * angle.cos(), 0.2 * angle.sin());
+        [[x, up, z], [x + 0.02, up, z], [x, up + 0.02, z]]
+    };
+    (
+        (0..count).flat_map(corners).collect(),
+        (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    )
+}
+
+#[test]
+fn many_small_components_are_nobody() {
+    let mut person =
+        performer(PerformerConfig { vertices: 2_000, ..PerformerConfig::default() }).frame(0);
+    for count in [1, 2, 98, 99, 100, 101, 102, 200, 5_000] {
+        let (positions, faces) = loose_triangles(count);
+        let mut segmenter = Segmenter::new(SegmentOptions::default());
+        for _ in 0..2 {
+            let found = segmenter.segment(&positions, &faces).unwrap();
+            assert!(!found.found_a_person(), "{count}");
+            assert_eq!(found.labels, vec![OTHER; positions.len()]);
+        }
+    }
+    // Beside a person they are dirt.
+    let (positions, faces) = loose_triangles(60);
+    let first = person.positions.len() as u32;
+    person.positions.extend(positions.iter().map(|p| [p[0] + 0.8, p[1], p[2]]));
+    person.faces.extend(faces.iter().map(|face| face.map(|v| v + first)));
+    let found = Segmenter::new(SegmentOptions::default());
+    let found = found.clone().segment(&person.positions, &person.faces).unwrap();
+    assert!(found.found_a_person());
+}
+
 #[test]
 fn a_bad_frame_leaves_the_past_as_it_was() {
     let frames = performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() });

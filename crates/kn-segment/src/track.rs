@@ -128,6 +128,9 @@ const LOWER_LEGS: [BodyPart; 4] =
 /// Samples of a frame, and of the search without a past.
 const SAMPLES: usize = 1000;
 const COARSE_SAMPLES: usize = 400;
+/// Share of the area at least that components of more than dirt's size have. A mesh of many small
+/// components has no body that could be followed; raw captures have 0.9 and more.
+const CLEAN: f64 = 0.5;
 /// Mean confidence of a person's parts at least: people have 0.75 to 0.9, spheres, tori and tables
 /// below 0.5.
 const TRUSTED: f32 = 0.55;
@@ -156,13 +159,17 @@ impl Segmenter {
     ///
     /// # Errors
     /// A mesh without vertices, faces or area; a position that is not finite; a face index out of
-    /// range. The segmenter then still stands at the last good frame.
+    /// range. The segmenter then still stands at the last good frame, as it does after a mesh most
+    /// of which is small components.
     pub fn segment(
         &mut self,
         positions: &[[f32; 3]],
         faces: &[[u32; 3]],
     ) -> Result<Segmentation, SegmentError> {
         let mut surface = Surface::new(positions, faces, self.options.up_axis)?;
+        if surface.clean_share() < CLEAN {
+            return Ok(Segmentation::nobody(positions.len()));
+        }
         let past = self.past.as_ref();
         let unit = past.map_or_else(|| (TEMPLATE_AREA / surface.area()).sqrt(), |past| past.unit);
         surface.rescale(unit);
