@@ -64,7 +64,7 @@ rules! {
 
     FILE_SIGNATURE_VALUE = "file.signature.value", "a file must begin with the signature of .knm files";
     FILE_ORDER = "file.order", "a file must hold its units in the order header, GoFs, index, and end with the index";
-    FILE_GROUP_LENGTH = "file.group.length", "a group of frames must have at most max_group_length frames";
+    FILE_GROUP_LENGTH = "file.group.length", "a GoF must have at most max_group_length frames";
     UNIT_TYPE_KNOWN = "unit.type.known", "unit_type must be from 1 to 5, or at least 128";
     UNIT_SIZE_LIMIT = "unit.size.limit", "unit_size must not be above the level's limit";
     UNIT_SIZE_EXACT = "unit.size.exact", "a structure must fill its unit exactly";
@@ -104,7 +104,7 @@ rules! {
     INTRA_HEADER_ATTRIBUTES = "intra.header.attributes", "attribute_count must be 0";
     INTRA_COUNTS_DENSITY = "intra.counts.density", "vertex_count + face_count must be at most 2048 times the bytes of the payload";
     INTRA_VERTICES_COUNT = "intra.vertices.count", "vertex_count must be the number of isolated and coded vertices";
-    INTRA_FACES_COUNT = "intra.faces.count", "the conquest must bring exactly the faces that the header announces";
+    INTRA_FACES_COUNT = "intra.faces.count", "the connectivity must decode to as many faces as the header announces";
     INTRA_SECTIONS_SIZE = "intra.sections.size", "the sections of an I-frame's payload must fill it exactly";
     INTRA_SECTIONS_CONSUMED = "intra.sections.consumed", "the decisions of a section must consume it exactly";
     INTRA_CONNECTIVITY_CLOSE = "intra.connectivity.close", "Close must occur only on a loop of three half-edges";
@@ -112,7 +112,7 @@ rules! {
     INTRA_CONNECTIVITY_VALENCE = "intra.connectivity.valence", "every vertex must get exactly as many triangles as its valence says";
     INTRA_CONNECTIVITY_SPLIT = "intra.connectivity.split", "splits must not walk further than the triangles so far allow";
     INTRA_CONNECTIVITY_MERGE = "intra.connectivity.merge", "a jump must name an open half-edge";
-    INTRA_JOIN_ORDER = "intra.join.order", "a join must name two vertices of the conquest, the earlier one first, neither a dummy";
+    INTRA_JOIN_ORDER = "intra.join.order", "a join must name two decoded vertices, the earlier one first, neither a dummy";
     INTRA_FACES_RAW = "intra.faces.raw", "the corners of a raw face must be vertices of the mesh";
     INTRA_GEOMETRY_LATTICE = "intra.geometry.lattice", "lattice values and ranks must be in their range";
     INTRA_GEOMETRY_RANGE = "intra.geometry.range", "coordinates of an I-frame must be below 2^20 in magnitude";
@@ -141,7 +141,7 @@ rules! {
     INDEX_COUNT_RANGE = "index.count.range", "group_count must be at least 1";
     INDEX_FRAMES_RANGE = "index.frames.range", "group_frames must be from 1 to max_group_length";
     INDEX_SIZE_VALUE = "index.size.value", "index_size must be the size of the index unit in bytes";
-    INDEX_GROUPS_MATCH = "index.groups.match", "the index must list the groups of the file as they are";
+    INDEX_GROUPS_MATCH = "index.groups.match", "the index must list the GoFs of the file as they are";
 }
 
 #[cfg(test)]

@@ -32,10 +32,10 @@ pub(crate) struct Arguments {
 #[derive(Debug, clap::Args)]
 pub(crate) struct Global {
     /// Threads to use; results do not depend on it [default: all]
-    #[arg(long, global = true, value_name = "N", value_parser = count)]
+    #[arg(long, global = true, display_order = 900, value_name = "N", value_parser = count)]
     pub(crate) threads: Option<NonZeroU16>,
     /// Print errors and results only
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = 901)]
     pub(crate) quiet: bool,
 }
 

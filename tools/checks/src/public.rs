@@ -60,6 +60,10 @@ impl<'a> Listing<'a> {
     fn implementations(&mut self, name: &str, path: &str) {
         for module in self.root.all() {
             for item in &module.items {
+                if names_in_macro(item, name) {
+                    let traits = ["Display", "FromStr", "Named"];
+                    self.lines.extend(traits.map(|of_trait| format!("{path}: impl {of_trait}")));
+                }
                 let Item::Impl(item) = item else { continue };
                 let syn::Type::Path(of) = item.self_ty.as_ref() else { continue };
                 if of.path.segments.last().is_none_or(|last| last.ident != name) {
@@ -183,6 +187,14 @@ impl<'a> Listing<'a> {
         };
         rest.iter().try_fold(start, |module, name| module.child(name))
     }
+}
+
+/// Whether an item is a call of `impl_named!` for the type.
+fn names_in_macro(item: &Item, name: &str) -> bool {
+    let Item::Macro(item) = item else { return false };
+    let is_named = item.mac.path.segments.last().is_some_and(|last| last.ident == "impl_named");
+    let mut tokens = item.mac.tokens.clone().into_iter();
+    is_named && tokens.any(|token| token.to_string() == name)
 }
 
 fn is_public(visibility: &Visibility) -> bool {

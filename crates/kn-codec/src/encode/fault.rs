@@ -6,19 +6,22 @@ use kn_bitstream::rule::{DEFORM_INFLUENCE_STRICT, Rule};
 use kn_fit::FitError;
 use kn_mesh::{GridError, MeshFault};
 use kn_metrics::Msdm2Error;
-use std::fmt;
 
 /// The reason why a frame cannot be coded.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputFault {
     /// The mesh has no vertices.
+    #[error("the mesh has no vertices")]
     NoVertices,
     /// The mesh has no faces.
+    #[error("the mesh has no faces")]
     NoFaces,
     /// The mesh is not valid.
-    Mesh(MeshFault),
+    #[error(transparent)]
+    Mesh(#[from] MeshFault),
     /// A label is none of those of [`BodyPart`].
+    #[error("label {label} of vertex {vertex} is not 0 to {}", BodyPart::COUNT - 1)]
     Label {
         /// The label.
         label: u8,
@@ -26,10 +29,13 @@ pub enum InputFault {
         vertex: usize,
     },
     /// The frame has labels, and the frames before it have none.
+    #[error("the frame has labels, earlier frames have none")]
     LabelsAppear,
     /// The frame has no labels, and the frames before it have some.
+    #[error("the frame has no labels, earlier frames have")]
     LabelsEnd,
     /// The first frame is so large that no level of the specification holds twice its size.
+    #[error("no level holds twice its {vertices} vertices and {faces} faces")]
     Level {
         /// Number of vertices.
         vertices: usize,
@@ -37,87 +43,49 @@ pub enum InputFault {
         faces: usize,
     },
     /// A position has no place on the grid.
-    Grid(GridError),
+    #[error(transparent)]
+    Grid(#[from] GridError),
     /// The grid is lossless, and a vertex does not lie on it.
+    #[error("vertex {vertex} does not lie on the lossless grid")]
     OffGrid {
         /// Index of the vertex.
         vertex: usize,
     },
     /// No face is left on the grid.
+    #[error("no face is left on the grid, whose step is {step:.3e}: the mesh is too small for it")]
     NothingLeft {
         /// Step of the grid, in world units.
         step: f64,
     },
     /// The mesh of an I-frame cannot be coded.
-    Intra(IntraError),
+    #[error(transparent)]
+    Intra(#[from] IntraError),
     /// The influence mode is strict, and the region of a body part has no key node.
+    #[error(
+        "{}: there is none for {}",
+        DEFORM_INFLUENCE_STRICT,
+        part.map_or("a part".into(), |part| part.to_string())
+    )]
     WithoutNodes {
         /// The part, where it is known.
         part: Option<BodyPart>,
     },
     /// The motion cannot be fitted.
-    Fit(FitError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// MSDM2 cannot be measured.
-    Msdm2(Msdm2Error),
+    #[error(transparent)]
+    Msdm2(#[from] Msdm2Error),
     /// The frame would break a rule of the specification.
+    #[error("{0}")]
     Rule(Rule),
     /// The GoF that the frame begins is larger than 4 GiB.
+    #[error("the GoF is larger than 4 GiB")]
     GroupTooLarge,
 }
 
-impl fmt::Display for InputFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoVertices => f.write_str("the mesh has no vertices"),
-            Self::NoFaces => f.write_str("the mesh has no faces"),
-            Self::Mesh(fault) => fault.fmt(f),
-            Self::Label { label, vertex } => {
-                write!(f, "label {label} of vertex {vertex} is not 0 to {}", BodyPart::COUNT - 1)
-            }
-            Self::LabelsAppear => f.write_str("the frame has labels, earlier frames have none"),
-            Self::LabelsEnd => f.write_str("the frame has no labels, earlier frames have"),
-            Self::Level { vertices, faces } => {
-                write!(f, "no level holds twice its {vertices} vertices and {faces} faces")
-            }
-            Self::Grid(error) => error.fmt(f),
-            Self::OffGrid { vertex } => {
-                write!(f, "vertex {vertex} does not lie on the lossless grid")
-            }
-            Self::NothingLeft { step } => write!(
-                f,
-                "no face is left on the grid, whose step is {step:.3e}: the mesh is too small for it"
-            ),
-            Self::Intra(error) => error.fmt(f),
-            Self::WithoutNodes { part } => {
-                let part = part.map_or("a part".into(), |part| part.to_string());
-                write!(f, "{DEFORM_INFLUENCE_STRICT}: there is none for {part}")
-            }
-            Self::Fit(error) => error.fmt(f),
-            Self::Msdm2(error) => error.fmt(f),
-            Self::Rule(rule) => rule.fmt(f),
-            Self::GroupTooLarge => f.write_str("the GoF is larger than 4 GiB"),
-        }
+impl From<Rule> for InputFault {
+    fn from(rule: Rule) -> Self {
+        Self::Rule(rule)
     }
-}
-
-impl std::error::Error for InputFault {}
-
-/// Conversions from the errors that a fault holds.
-macro_rules! from {
-    ($($variant:ident($error:ty),)*) => {$(
-        impl From<$error> for InputFault {
-            fn from(error: $error) -> Self {
-                Self::$variant(error)
-            }
-        }
-    )*};
-}
-
-from! {
-    Mesh(MeshFault),
-    Grid(GridError),
-    Intra(IntraError),
-    Fit(FitError),
-    Msdm2(Msdm2Error),
-    Rule(Rule),
 }

@@ -52,192 +52,243 @@ pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     let plain = ellipsoid(9, 12);
     let mut body = plain.clone();
     label(&mut body);
-    let mut drafts = Vec::new();
-    let mut add = |name: &str, danger: &str, covers, meshes: &[Mesh], config| -> Result<()> {
-        let text = encoded(spec, meshes, config)?;
-        drafts.push(Draft { name: name.into(), text, danger: danger.into(), rule: None, covers });
-        Ok(())
-    };
-    let still = |mesh: &Mesh| vec![mesh.clone()];
-    let short = |mesh: &Mesh| (0..3).map(|i| moved(mesh, f64::from(i))).collect::<Vec<_>>();
+    let mut core = Core { spec, plain, body, drafts: Vec::new() };
+    core.frames_and_components()?;
+    core.influence()?;
+    core.smoothing_and_header()?;
+    core.meshes()?;
+    core.translations()?;
+    Ok(core.drafts)
+}
 
-    add(
-        "one_frame",
-        "A file may be one I-frame: no key nodes, no P-frame.",
-        &[
-            "intra.payload",
-            "intra.counts.meaning",
-            "conformance.frame.sha256",
-            "conformance.profile.main",
-            "conformance.levels",
-            "conformance.exact",
-            "conformance.own_limits",
-            "conformance.contract",
-            "descriptor.order",
-            "syntax.tables",
-        ],
-        &still(&plain),
-        config(),
-    )?;
-    for (name, danger, combination) in COMBINATIONS {
-        let config = config().with_combination(combination).with_affine(AffineChoice::torso());
-        let covers = &[
-            "nodes.affine",
-            "nodes.label.nearest",
-            "motion.counts",
-            "motion.order",
-            "deform.matrix",
-            "deform.node",
-            "deform.blend",
-            "deform.arithmetic",
-            "deform.reference",
-            "conventions.binary64",
-            "intra.labels.order",
-            "intra.labels.vote",
-            "intra.labels.code",
-            "intra.labels.border",
-        ];
-        add(name, danger, covers, &short(&body), config)?;
+/// The streams so far, and the meshes that they are made of.
+struct Core<'s> {
+    spec: &'s Spec,
+    plain: Mesh,
+    /// The same with labels.
+    body: Mesh,
+    drafts: Vec<Draft>,
+}
+
+/// Three frames of a mesh that moves.
+fn short(mesh: &Mesh) -> Vec<Mesh> {
+    (0..3).map(|i| moved(mesh, f64::from(i))).collect()
+}
+
+impl Core<'_> {
+    fn add(
+        &mut self,
+        (name, danger): (&str, &str),
+        covers: &'static [&'static str],
+        meshes: &[Mesh],
+        config: EncoderConfig,
+    ) -> Result<()> {
+        let text = encoded(self.spec, meshes, config)?;
+        let (name, danger) = (name.into(), danger.into());
+        self.drafts.push(Draft { name, text, danger, rule: None, covers });
+        Ok(())
     }
-    add(
-        "rigid",
-        "Without affine nodes the component flags are zero, and rigid nodes still rotate.",
-        &[
-            "motion.absent",
-            "deform.rotation",
-            "deform.sincos",
-            "deform.constants",
-            "deform.weights.inverse",
-            "header.labels.meaning",
-        ],
-        &short(&plain),
-        config().with_affine(AffineChoice::None),
-    )?;
-    add(
-        "all_affine",
-        "With affine nodes only, a disabled rotation leaves no angles at all.",
-        &["motion.counts"],
-        &short(&plain),
-        config()
-            .with_affine(AffineChoice::All)
-            .with_combination(Combination::new(false, true, false)),
-    )?;
-    let long: Vec<Mesh> = (0..7).map(|i| moved(&plain, 0.5 * f64::from(i))).collect();
-    add(
-        "groups",
-        "Nothing of a GoF is left in the next; the last GoF is short.",
-        &["conformance.access", "conformance.stages", "deform.influence.bound"],
-        &long,
-        config().with_group_length(3),
-    )?;
-    add(
-        "weights_sumner",
-        "The distance to the first node that is not used shapes these weights.",
-        &["header.weight.meaning", "deform.weights.sumner"],
-        &short(&body),
-        config().with_weights(Weights::SUMNER),
-    )?;
-    add(
-        "weights_gaussian",
-        "The exponential is the polynomial of 8.1, and sigma is in grid steps.",
-        &["nodes.sigma.meaning", "deform.weights.gaussian", "deform.exp"],
-        &short(&body),
-        config().with_weights(Weights::gaussian(40)),
-    )?;
-    add(
-        "strict",
-        "In strict mode a region's own nodes move it, fewer than Q of them replicated.",
-        &["deform.influence.replication", "header.influence.meaning"],
-        &short(&body),
-        config().with_influence(InfluenceMode::Strict).with_nodes_per_vertex(8),
-    )?;
-    add(
-        "one_node_per_vertex",
-        "With Q = 1 the weight is exactly 1.",
-        &["header.nodes.meaning", "deform.weights.normalise"],
-        &short(&plain),
-        config().with_nodes_per_vertex(1),
-    )?;
-    add(
-        "smoothed_weakly",
-        "A sum of neighbours starts at 0 and adds them by rising index, not as faces name them.",
-        &[
-            "intra.smoothing.meaning",
-            "smooth.input",
-            "smooth.strength",
-            "smooth.neighbours",
-            "smooth.operator",
-            "smooth.pass",
-        ],
-        &short(&plain),
-        config().with_smoothing(SmoothingChoice::Strength(1)),
-    )?;
-    add(
-        "smoothed_strongly",
-        "No coordinate moves by more than half a grid step; borders stay.",
-        &["smooth.strength", "smooth.neighbours", "smooth.clamp"],
-        &short(&body),
-        config().with_smoothing(SmoothingChoice::Strength(5)),
-    )?;
-    add(
-        "no_fraction",
-        "With fraction_bits 0 positions are whole grid steps, and smoothing changes nothing.",
-        &[
-            "header.fraction.meaning",
-            "deform.round",
-            "deform.output",
-            "motion.step.translation",
-            "conventions.conversion",
-        ],
-        &short(&plain),
-        config().with_fraction_bits(0).with_smoothing(SmoothingChoice::Strength(2)),
-    )?;
-    add(
-        "names",
-        "Frames are named by the pattern; the header is longer by it.",
-        &["header.names.meaning", "conventions.tables", "conventions.ranges"],
-        &short(&plain),
-        config().with_names(Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 })),
-    )?;
-    add(
-        "no_digests",
-        "Without digests the faces_digest is absent too.",
-        &["frame.name.meaning", "conventions.names"],
-        &short(&plain),
-        config().with_digests(false),
-    )?;
-    add(
-        "torus",
-        "A hole through the mesh: the conquest splits its loop and joins it again.",
-        INTRA,
-        &short(&torus(12, 8)),
-        config(),
-    )?;
-    add(
-        "open",
-        "A mesh with a boundary, and a vertex that no face uses.",
-        &[
-            "intra.decoded.order",
-            "intra.connectivity.new",
-            "intra.geometry.isolated",
-            "intra.faces.number",
-        ],
-        &short(&opened(&plain)),
-        config(),
-    )?;
-    add(
-        "two_components",
-        "A mesh of two parts.",
-        &["intra.connectivity.seed", "intra.geometry.unsupported"],
-        &short(&twins(&body)),
-        config(),
-    )?;
-    for stream in predicted(&body) {
-        let config = config().with_nodes(30).with_translation(stream.choice);
-        let config = config.with_up_axis(stream.up_axis).with_group_length(5);
-        add(stream.name, stream.danger, stream.covers, &stream.frames, config)?;
+
+    /// I-frames alone, components of affine nodes, GoFs.
+    fn frames_and_components(&mut self) -> Result<()> {
+        let still = [self.plain.clone()];
+        self.add(
+            ("one_frame", "A file may be one I-frame: no key nodes, no P-frame."),
+            &[
+                "intra.payload",
+                "intra.counts.meaning",
+                "conformance.frame.sha256",
+                "conformance.profile.main",
+                "conformance.levels",
+                "conformance.exact",
+                "conformance.own_limits",
+                "conformance.contract",
+                "descriptor.order",
+                "syntax.tables",
+            ],
+            &still,
+            config(),
+        )?;
+        for (name, danger, combination) in COMBINATIONS {
+            let config = config().with_combination(combination).with_affine(AffineChoice::torso());
+            let covers = &[
+                "nodes.affine",
+                "nodes.label.nearest",
+                "motion.counts",
+                "motion.order",
+                "deform.matrix",
+                "deform.node",
+                "deform.blend",
+                "deform.arithmetic",
+                "deform.reference",
+                "conventions.binary64",
+                "intra.labels.order",
+                "intra.labels.vote",
+                "intra.labels.code",
+                "intra.labels.border",
+            ];
+            self.add((name, danger), covers, &short(&self.body), config)?;
+        }
+        self.add(
+            (
+                "rigid",
+                "Without affine nodes the component flags are zero, and rigid nodes still rotate.",
+            ),
+            &[
+                "motion.absent",
+                "deform.rotation",
+                "deform.sincos",
+                "deform.constants",
+                "deform.weights.inverse",
+                "header.labels.meaning",
+            ],
+            &short(&self.plain),
+            config().with_affine(AffineChoice::None),
+        )?;
+        self.add(
+            ("all_affine", "With affine nodes only, a disabled rotation leaves no angles at all."),
+            &["motion.counts"],
+            &short(&self.plain),
+            config()
+                .with_affine(AffineChoice::All)
+                .with_combination(Combination::new(false, true, false)),
+        )?;
+        let long: Vec<Mesh> = (0..7).map(|i| moved(&self.plain, 0.5 * f64::from(i))).collect();
+        self.add(
+            ("groups", "Nothing of a GoF is left in the next; the last GoF is short."),
+            &["conformance.access", "conformance.stages", "deform.influence.bound"],
+            &long,
+            config().with_group_length(3),
+        )?;
+        Ok(())
     }
-    Ok(drafts)
+
+    /// Weights and influence.
+    fn influence(&mut self) -> Result<()> {
+        self.add(
+            (
+                "weights_sumner",
+                "The distance to the first node that is not used shapes these weights.",
+            ),
+            &["header.weight.meaning", "deform.weights.sumner"],
+            &short(&self.body),
+            config().with_weights(Weights::SUMNER),
+        )?;
+        self.add(
+            (
+                "weights_gaussian",
+                "The exponential is the polynomial of 8.1, and sigma is in grid steps.",
+            ),
+            &["nodes.sigma.meaning", "deform.weights.gaussian", "deform.exp"],
+            &short(&self.body),
+            config().with_weights(Weights::gaussian(40)),
+        )?;
+        self.add(
+            (
+                "strict",
+                "In strict mode a region's own nodes move it, fewer than Q of them replicated.",
+            ),
+            &["deform.influence.replication", "header.influence.meaning"],
+            &short(&self.body),
+            config().with_influence(InfluenceMode::Strict).with_nodes_per_vertex(8),
+        )?;
+        self.add(
+            ("one_node_per_vertex", "With Q = 1 the weight is exactly 1."),
+            &["header.nodes.meaning", "deform.weights.normalise"],
+            &short(&self.plain),
+            config().with_nodes_per_vertex(1),
+        )?;
+        Ok(())
+    }
+
+    /// Smoothing, and settings of the header.
+    fn smoothing_and_header(&mut self) -> Result<()> {
+        self.add(
+            ("smoothed_weakly", "A sum of neighbours starts at 0 and adds them by rising index, not as faces name them."),
+            &[
+                "intra.smoothing.meaning",
+                "smooth.input",
+                "smooth.strength",
+                "smooth.neighbours",
+                "smooth.operator",
+                "smooth.pass",
+            ],
+            &short(&self.plain),
+            config().with_smoothing(SmoothingChoice::Strength(1)),
+        )?;
+        self.add(
+            (
+                "smoothed_strongly",
+                "No coordinate moves by more than half a grid step; borders stay.",
+            ),
+            &["smooth.strength", "smooth.neighbours", "smooth.clamp"],
+            &short(&self.body),
+            config().with_smoothing(SmoothingChoice::Strength(5)),
+        )?;
+        self.add(
+            ("no_fraction", "With fraction_bits 0 positions are whole grid steps, and smoothing changes nothing."),
+            &[
+                "header.fraction.meaning",
+                "deform.round",
+                "deform.output",
+                "motion.step.translation",
+                "conventions.conversion",
+            ],
+            &short(&self.plain),
+            config().with_fraction_bits(0).with_smoothing(SmoothingChoice::Strength(2)),
+        )?;
+        self.add(
+            ("names", "Frames are named by the pattern; the header is longer by it."),
+            &["header.names.meaning", "conventions.tables", "conventions.ranges"],
+            &short(&self.plain),
+            config().with_names(Some(FileNames { prefix: "figure_".into(), digits: 4, first: 9 })),
+        )?;
+        self.add(
+            ("no_digests", "Without digests the faces_digest is absent too."),
+            &["frame.name.meaning", "conventions.names"],
+            &short(&self.plain),
+            config().with_digests(false),
+        )?;
+        Ok(())
+    }
+
+    /// Meshes of other shapes.
+    fn meshes(&mut self) -> Result<()> {
+        self.add(
+            ("torus", "A hole through the mesh: the conquest splits its loop and joins it again."),
+            INTRA,
+            &short(&torus(12, 8)),
+            config(),
+        )?;
+        self.add(
+            ("open", "A mesh with a boundary, and a vertex that no face uses."),
+            &[
+                "intra.decoded.order",
+                "intra.connectivity.new",
+                "intra.geometry.isolated",
+                "intra.faces.number",
+            ],
+            &short(&opened(&self.plain)),
+            config(),
+        )?;
+        self.add(
+            ("two_components", "A mesh of two parts."),
+            &["intra.connectivity.seed", "intra.geometry.unsupported"],
+            &short(&twins(&self.body)),
+            config(),
+        )?;
+        Ok(())
+    }
+
+    /// Predictions of translations.
+    fn translations(&mut self) -> Result<()> {
+        for stream in predicted(&self.body) {
+            let config = config().with_nodes(30).with_translation(stream.choice);
+            let config = config.with_up_axis(stream.up_axis).with_group_length(5);
+            self.add((stream.name, stream.danger), stream.covers, &stream.frames, config)?;
+        }
+        Ok(())
+    }
 }
 
 /// The rules of chapters 1, 4 and 5 that every mesh needs.
