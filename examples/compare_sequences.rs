@@ -1,7 +1,6 @@
 //! Measures distortion: `cargo run --release --example compare_sequences [SCANS DECODED]`.
 //!
-//! Each argument is a folder, a pattern of mesh files or a .knm stream. Without arguments two
-//! frames of the synthetic performer are encoded and compared with their stream.
+//! An argument is a folder, a pattern or a .knm stream. Without any, the performer is measured.
 
 use anyhow::Result;
 use kn_codec::{Encoder, EncoderConfig};
