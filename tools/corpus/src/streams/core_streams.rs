@@ -48,6 +48,14 @@ fn config() -> EncoderConfig {
         .with_names(None)
 }
 
+/// The settings for a combination, with a step for each component that it has.
+fn carrying(combination: Combination) -> EncoderConfig {
+    config()
+        .with_combination(combination)
+        .with_scale_step(combination.scale.then_some(1.0))
+        .with_shear_step(combination.shear.then_some(1.0))
+}
+
 pub(crate) fn drafts(spec: &Spec) -> Result<Vec<Draft>> {
     let plain = ellipsoid(9, 12);
     let mut body = plain.clone();
@@ -110,7 +118,7 @@ impl Core<'_> {
             config(),
         )?;
         for (name, danger, combination) in COMBINATIONS {
-            let config = config().with_combination(combination).with_affine(AffineChoice::torso());
+            let config = carrying(combination).with_affine(AffineChoice::torso());
             let covers = &[
                 "nodes.affine",
                 "nodes.label.nearest",
@@ -143,15 +151,13 @@ impl Core<'_> {
                 "header.labels.meaning",
             ],
             &short(&self.plain),
-            config().with_affine(AffineChoice::None),
+            carrying(Combination::RT).with_affine(AffineChoice::None),
         )?;
         self.add(
             ("all_affine", "With affine nodes only, a disabled rotation leaves no angles at all."),
             &["motion.counts"],
             &short(&self.plain),
-            config()
-                .with_affine(AffineChoice::All)
-                .with_combination(Combination::new(false, true, false)),
+            carrying(Combination::new(false, true, false)).with_affine(AffineChoice::All),
         )?;
         let long: Vec<Mesh> = (0..7).map(|i| moved(&self.plain, 0.5 * f64::from(i))).collect();
         self.add(
