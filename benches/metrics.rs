@@ -66,6 +66,10 @@ fn queries(c: &mut Criterion) {
 
 fn points(c: &mut Criterion) {
     let (a, b) = pair(20_000);
+    let sampled = |m: &Shape| PointCloud::from_surface(&m.0, &m.1, 100_000).expect("a valid mesh");
+    c.bench_function("d1d2_samples", |bench| {
+        bench.iter(|| point_distortion(&sampled(black_box(&a)), &sampled(&b)));
+    });
     let grid = Grid::new([-1.0; 3], [1.0; 3], 256).expect("a valid grid");
     let cloud = |m: &Shape| PointCloud::from_grid(&m.0, &m.1, &grid).expect("a valid mesh");
     c.bench_function("d1d2_grid_256", |bench| {

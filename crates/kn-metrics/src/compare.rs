@@ -3,9 +3,9 @@
 use kn_mesh::BoundingBox;
 
 use crate::d1d2::{Grid, PointCloud, PointError, point_distortion};
-use crate::msdm2::{Interpolation, Msdm2Error, msdm2};
-use crate::p2s::{P2s, P2sError, distances_to_surface, p2s, sample_surface};
-use crate::surface::{MeshRef, Surface};
+use crate::msdm2::{Interpolation, Msdm2Error, msdm2_of_matches};
+use crate::p2s::{P2s, P2sError, distances_to_surface, p2s_of_matches, sample_surface};
+use crate::surface::{Matches, MeshRef, Surface};
 use crate::tree::TreeError;
 
 mod result;
@@ -38,6 +38,18 @@ pub enum CompareError {
     NotPrepared,
 }
 
+/// The points that D1 and D2 measure a mesh by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PointSampling {
+    /// The vertices and the samples of the surface, [`CompareOptions::samples`] of them.
+    Surface,
+    /// The points where the lines of a regular grid meet the faces, as in MPEG's test conditions:
+    /// this many lines (1024 there) along the longest side of the box. A scanned person has about a
+    /// million of them, and time and memory grow with their number.
+    Grid(usize),
+}
+
 /// Options of a comparison: the metrics that are computed, and the number of samples.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -45,25 +57,21 @@ pub struct CompareOptions {
     /// The box that relative distances (its diagonal) and decibels (its longest side) refer to. For
     /// a sequence it is the box of the whole reference. `None` is the box of the reference mesh.
     pub bounds: Option<BoundingBox>,
-    /// Number of samples on each surface for point-to-surface distances, uniform by area.
+    /// Number of samples on each surface for point-to-surface distances, D1 and D2, uniform by area.
     pub samples: usize,
     /// Whether MSDM2 is computed, in both directions.
     pub msdm2: bool,
     /// Whether MSDM2 is also computed with the curvature at the closest points, which does not
     /// depend on the order of faces. Nothing happens without `msdm2`.
     pub projected: bool,
-    /// Lines of the grid along the longest side of the box, on which D1 and D2 sample the surfaces;
-    /// `None` leaves D1 and D2 out.
-    pub grid: Option<usize>,
+    /// The points for D1 and D2; `None` leaves D1 and D2 out.
+    pub points: Option<PointSampling>,
 }
-
-/// Number of grid lines in MPEG's common test conditions.
-const GRID_LINES: usize = 1024;
 
 impl CompareOptions {
     /// Options for point-to-surface distances only.
     pub fn distances() -> Self {
-        Self { bounds: None, samples: 100_000, msdm2: false, projected: false, grid: None }
+        Self { bounds: None, samples: 100_000, msdm2: false, projected: false, points: None }
     }
 
     /// Options for point-to-surface distances and MSDM2.
@@ -80,7 +88,7 @@ impl CompareOptions {
 impl Default for CompareOptions {
     /// All metrics.
     fn default() -> Self {
-        Self { projected: true, grid: Some(GRID_LINES), ..Self::perceptual() }
+        Self { projected: true, points: Some(PointSampling::Surface), ..Self::perceptual() }
     }
 }
 
@@ -111,21 +119,35 @@ pub fn compare_surfaces(
 ) -> Result<Comparison, CompareError> {
     let bounds = bounds_of(reference, options)?;
     let mut comparison = Comparison::default();
-    let distance = p2s(reference.indexed(), distorted.indexed(), options.samples)?;
-    comparison.set_distance(&distance, &bounds);
+    let (from, to) = (reference.indexed(), distorted.indexed());
+    let matches = Matches::new(from, to);
+    comparison.set_distance(&p2s_of_matches(from, to, options.samples, &matches)?, &bounds);
     if options.msdm2 {
-        set_msdm2(&mut comparison, reference, distorted, options.projected)?;
+        set_msdm2(&mut comparison, reference, distorted, &matches, options.projected)?;
     }
-    if let Some(lines) = options.grid {
-        let grid = Grid::new(bounds.min, bounds.max, lines)?;
-        let cloud = |surface: &Surface| {
-            PointCloud::from_grid(surface.mesh().positions, surface.mesh().faces, &grid)
-        };
+    if let Some(sampling) = options.points {
+        let cloud = |surface| cloud(surface, sampling, options.samples, &bounds);
         let points = point_distortion(&cloud(reference)?, &cloud(distorted)?);
         comparison.set(Metric::D1Psnr, points.d1_psnr(bounds.longest_side()));
         comparison.set(Metric::D2Psnr, points.d2_psnr(bounds.longest_side()));
     }
     Ok(comparison)
+}
+
+fn cloud(
+    surface: &Surface,
+    sampling: PointSampling,
+    samples: usize,
+    bounds: &BoundingBox,
+) -> Result<PointCloud, PointError> {
+    let mesh = surface.mesh();
+    match sampling {
+        PointSampling::Surface => PointCloud::from_surface(mesh.positions, mesh.faces, samples),
+        PointSampling::Grid(lines) => {
+            let grid = Grid::new(bounds.min, bounds.max, lines)?;
+            PointCloud::from_grid(mesh.positions, mesh.faces, &grid)
+        }
+    }
 }
 
 /// Marked faces of both surfaces, such as those of a body part.
@@ -172,16 +194,20 @@ fn set_msdm2(
     comparison: &mut Comparison,
     reference: &Surface,
     distorted: &Surface,
+    matches: &Matches,
     projected: bool,
 ) -> Result<(), CompareError> {
     let both = reference.perceptual().zip(distorted.perceptual());
     let (reference, distorted) = both.ok_or(CompareError::NotPrepared)?;
-    let plain = msdm2(reference, distorted, Interpolation::AtVertex);
-    comparison.set(Metric::Msdm2, plain.symmetric);
-    comparison.set(Metric::Msdm2Forward, plain.forward.score);
-    comparison.set(Metric::Msdm2Backward, plain.backward.score);
-    if projected {
-        let projected = msdm2(reference, distorted, Interpolation::Projected);
+    let interpolations = &[Interpolation::AtVertex, Interpolation::Projected];
+    let interpolations = if projected { &interpolations[..] } else { &interpolations[..1] };
+    let found = msdm2_of_matches(reference, distorted, matches, interpolations);
+    if let Some(plain) = found.first() {
+        comparison.set(Metric::Msdm2, plain.symmetric);
+        comparison.set(Metric::Msdm2Forward, plain.forward.score);
+        comparison.set(Metric::Msdm2Backward, plain.backward.score);
+    }
+    if let Some(projected) = found.get(1) {
         comparison.set(Metric::Msdm2Projected, projected.symmetric);
     }
     Ok(())

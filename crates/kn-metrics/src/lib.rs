@@ -11,11 +11,12 @@
 //! | all of two meshes | [`compare()`] |
 //! | MSDM2, both directions and per vertex | [`Msdm2Surface`], [`msdm2()`] |
 //! | point to surface: RMS, mean, Hausdorff, PSNR | [`p2s()`], [`p2s_of_vertices`] |
-//! | MPEG's D1 and D2, on vertices or along a grid | [`PointCloud`], [`point_distortion`] |
+//! | MPEG's D1 and D2, on vertices, samples of the surface or along a grid | [`PointCloud`], [`point_distortion`] |
 //! | Bjøntegaard delta rate | [`bd_rate`] |
 //! | exact closest points | [`TriangleTree`] |
 
 mod bjontegaard;
+mod bvh;
 mod compare;
 mod d1d2;
 mod lanes;
@@ -26,8 +27,8 @@ mod tree;
 
 pub use bjontegaard::{BdError, BdRate, Dominated, RatePoint, bd_rate};
 pub use compare::{
-    CompareError, CompareOptions, Comparison, FaceMarks, Metric, UnknownMetric, compare,
-    compare_faces, compare_surfaces,
+    CompareError, CompareOptions, Comparison, FaceMarks, Metric, PointSampling, UnknownMetric,
+    compare, compare_faces, compare_surfaces,
 };
 pub use d1d2::{Grid, MeanSquares, PointCloud, PointDistortion, PointError, point_distortion};
 pub use kn_mesh::BoundingBox;

@@ -6,7 +6,8 @@
 
 use std::borrow::Cow;
 
-use crate::tree::{TreeError, TriangleTree, check};
+use crate::surface::{IndexedMesh, Matches, MeshRef};
+use crate::tree::{Closest, TreeError, TriangleTree, check};
 use curvature::Ring;
 use direction::Direction;
 use kn_mesh::vec3::Vec3;
@@ -20,6 +21,7 @@ mod flood;
 mod list;
 mod machine;
 mod matching;
+mod sphere;
 mod statistics;
 mod topology;
 
@@ -98,6 +100,10 @@ pub struct Msdm2Direction {
     pub local: Vec<f64>,
     /// Number of vertices without an edge. They do not enter the score.
     pub isolated: usize,
+    /// Number of vertices that the score is the mean of: all with an edge, or evenly chosen ones
+    /// where the neighbourhoods hold nearly the whole mesh. Then the others have the value of the
+    /// measured vertex before them.
+    pub measured: usize,
 }
 
 /// MSDM2 in both directions.
@@ -166,6 +172,10 @@ impl Msdm2Surface {
         &self.tree
     }
 
+    fn indexed(&self) -> IndexedMesh<'_> {
+        IndexedMesh::new(MeshRef::new(&self.positions, &self.faces), &self.tree)
+    }
+
     /// `#V × levels` curvatures in units of 1 / `side`, at the radii that `side` gives.
     fn curvature(&self, side: f64, levels: usize) -> Cow<'_, [f64]> {
         if side == self.side && levels == self.levels {
@@ -182,9 +192,32 @@ pub fn msdm2(
     degraded: &Msdm2Surface,
     interpolation: Interpolation,
 ) -> Msdm2 {
-    let forward = msdm2_one_way(reference, degraded, interpolation);
-    let backward = one_way(degraded, reference, reference.levels, interpolation);
-    Msdm2 { symmetric: 0.5 * (forward.score + backward.score), forward, backward }
+    let indexed = [reference, degraded].map(Msdm2Surface::indexed);
+    let matches = Matches::new(indexed[0], indexed[1]);
+    let mut found = msdm2_of_matches(reference, degraded, &matches, &[interpolation]);
+    found.swap_remove(0)
+}
+
+/// MSDM2 for each of the interpolations, which share the neighbourhoods.
+pub(crate) fn msdm2_of_matches(
+    reference: &Msdm2Surface,
+    degraded: &Msdm2Surface,
+    matches: &Matches,
+    interpolations: &[Interpolation],
+) -> Vec<Msdm2> {
+    let levels = reference.levels;
+    let one_way = |original, distorted, matches: &[Closest]| {
+        let matches = matching::preferred(original, matches);
+        Direction::new(distorted, original, &matches, levels, interpolations).evaluate()
+    };
+    let forward = one_way(reference, degraded, &matches.from_other);
+    let backward = one_way(degraded, reference, &matches.from_reference);
+    let joined = |(forward, backward): (Msdm2Direction, Msdm2Direction)| Msdm2 {
+        symmetric: 0.5 * (forward.score + backward.score),
+        forward,
+        backward,
+    };
+    forward.into_iter().zip(backward).map(joined).collect()
 }
 
 /// Computes MSDM2 from `distorted` to `original`. The levels are those of `original`.
@@ -193,17 +226,12 @@ pub fn msdm2_one_way(
     distorted: &Msdm2Surface,
     interpolation: Interpolation,
 ) -> Msdm2Direction {
-    one_way(original, distorted, original.levels, interpolation)
-}
-
-fn one_way(
-    original: &Msdm2Surface,
-    distorted: &Msdm2Surface,
-    levels: usize,
-    interpolation: Interpolation,
-) -> Msdm2Direction {
-    let matches = matching::closest_faces(original, &distorted.positions);
-    Direction::new(distorted, original, &matches, levels, interpolation).evaluate()
+    let matches = original.tree.closest_all(&distorted.positions);
+    let matches = matching::preferred(original, &matches);
+    let levels = original.levels;
+    let mut found =
+        Direction::new(distorted, original, &matches, levels, &[interpolation]).evaluate();
+    found.swap_remove(0)
 }
 
 /// Radii of the curvature's spheres.

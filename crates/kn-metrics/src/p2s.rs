@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::surface::{IndexedMesh, MeshRef};
-use crate::tree::{TreeError, TriangleTree, check};
+use crate::surface::{IndexedMesh, Matches, MeshRef};
+use crate::tree::{Closest, TreeError, TriangleTree, check};
 use kn_mesh::vec3::{Vec3, cross, mul_add, norm, sub};
 
 /// Samples that share hints, a thread and a partial sum.
@@ -188,6 +188,17 @@ pub fn sample_surface(
     keep: Option<&[bool]>,
     count: usize,
 ) -> Result<Vec<[f64; 3]>, P2sError> {
+    let samples = samples_on_faces(positions, faces, keep, count)?;
+    Ok(samples.into_iter().map(|(_, point)| point).collect())
+}
+
+/// The samples of [`sample_surface`], each with its face; the faces ascend.
+pub(crate) fn samples_on_faces(
+    positions: &[Vec3],
+    faces: &[[u32; 3]],
+    keep: Option<&[bool]>,
+    count: usize,
+) -> Result<Vec<(u32, Vec3)>, P2sError> {
     check(positions, faces)?;
     check_mask(keep, faces.len())?;
     let corners = |face: usize| faces[face].map(|vertex| positions[vertex as usize]);
@@ -205,7 +216,7 @@ pub fn sample_surface(
         covered += area;
         let due = (covered / whole * count as f64 + 0.5).floor() as usize;
         while samples.len() < due.min(count) {
-            samples.push(sample_in_triangle(corners(face), samples.len()));
+            samples.push((face as u32, sample_in_triangle(corners(face), samples.len())));
         }
     }
     Ok(samples)
@@ -235,15 +246,25 @@ pub fn p2s(
     other: IndexedMesh<'_>,
     count: usize,
 ) -> Result<P2s, P2sError> {
-    let from = |mesh: MeshRef<'_>, surface: &TriangleTree| {
+    p2s_of_matches(reference, other, count, &Matches::new(reference, other))
+}
+
+/// Measures like [`p2s`], where the closest points of the vertices are known.
+pub(crate) fn p2s_of_matches(
+    reference: IndexedMesh<'_>,
+    other: IndexedMesh<'_>,
+    count: usize,
+    matches: &Matches,
+) -> Result<P2s, P2sError> {
+    let from = |mesh: MeshRef<'_>, surface: &TriangleTree, corners: &[Closest]| {
         let samples = sample_surface(mesh.positions, mesh.faces, None, count)?;
         let inside = distances_to_surface(&samples, None, surface)?;
-        let corners = distances_to_surface(mesh.positions, None, surface)?;
-        Ok::<_, P2sError>(Distances { max: inside.max.max(corners.max), ..inside })
+        let farthest = corners.iter().map(|corner| corner.distance_squared).fold(0.0, f64::max);
+        Ok::<_, P2sError>(Distances { max: inside.max.max(farthest.sqrt()), ..inside })
     };
     Ok(P2s {
-        from_reference: from(reference.mesh, other.tree)?,
-        from_other: from(other.mesh, reference.tree)?,
+        from_reference: from(reference.mesh, other.tree, &matches.from_reference)?,
+        from_other: from(other.mesh, reference.tree, &matches.from_other)?,
     })
 }
 

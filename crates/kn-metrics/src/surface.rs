@@ -4,7 +4,7 @@ use kn_mesh::{BoundingBox, Mesh, TriangleMesh};
 
 use crate::compare::{CompareError, CompareOptions};
 use crate::msdm2::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
-use crate::tree::TriangleTree;
+use crate::tree::{Closest, TriangleTree};
 
 /// A borrowed triangle mesh in world units.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,25 @@ impl<'m> IndexedMesh<'m> {
     /// Joins a mesh and `tree`, which must be made of the same mesh.
     pub fn new(mesh: MeshRef<'m>, tree: &'m TriangleTree) -> Self {
         Self { mesh, tree }
+    }
+}
+
+/// The closest points of each vertex in both directions. They serve all metrics that start from the
+/// vertices.
+#[derive(Clone, Debug)]
+pub(crate) struct Matches {
+    /// `#V` of the reference: the closest points of the other mesh.
+    pub(crate) from_reference: Vec<Closest>,
+    /// `#V` of the other mesh: the closest points of the reference.
+    pub(crate) from_other: Vec<Closest>,
+}
+
+impl Matches {
+    pub(crate) fn new(reference: IndexedMesh<'_>, other: IndexedMesh<'_>) -> Self {
+        Self {
+            from_reference: other.tree.closest_all(reference.mesh.positions),
+            from_other: reference.tree.closest_all(other.mesh.positions),
+        }
     }
 }
 

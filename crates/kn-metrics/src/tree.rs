@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::bvh::{self, Bounds, Item, LANES, Node};
 use kn_mesh::vec3::{Vec3, scale, sub};
+use leaf::Leaf;
 use triangle::Triangle;
 
-#[path = "bvh/build.rs"]
-mod build;
-#[path = "bvh/node.rs"]
-mod node;
+mod leaf;
 mod query;
 mod triangle;
 
@@ -66,8 +65,8 @@ pub struct Closest {
 /// face.
 #[derive(Clone, Debug)]
 pub struct TriangleTree {
-    nodes: Vec<node::Node>,
-    leaves: Vec<node::Leaf>,
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
     /// `#F`, in the order of the faces.
     triangles: Vec<Triangle>,
     centre: Vec3,
@@ -79,7 +78,7 @@ impl TriangleTree {
     /// Builds the BVH over `faces` (`#F × 3`, indices into `positions`, `#V × 3`).
     ///
     /// # Errors
-    /// There is no face, an index is out of range, or a coordinate is not a number within ±1e60 (also
+    /// There is no face, an index is out of range, or a coordinate is no number within ±1e60 (also
     /// of a vertex without faces).
     pub fn new(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Self, TreeError> {
         check(positions, faces)?;
@@ -95,7 +94,15 @@ impl TriangleTree {
         let longest = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
         let to_unit = if longest > 1e-100 { 2.0 / longest } else { 1.0 };
         let normalised = |face| corners(face).map(|corner| scale(sub(corner, centre), to_unit));
-        let (nodes, leaves) = build::build(faces.len(), normalised);
+        let mut items: Vec<Item> = (0..faces.len())
+            .map(|face| Item { bounds: bounds_of(normalised(face)), index: face as u32 })
+            .collect();
+        let mut leaves = Vec::with_capacity(faces.len() / 3 + 1);
+        let nodes = bvh::build(&mut items, LANES, |_, items| {
+            let mut leaf = Leaf::new();
+            items.iter().for_each(|item| leaf.push(item.index, normalised(item.index as usize)));
+            leaves.push(leaf);
+        });
         let triangles = (0..faces.len()).map(|face| Triangle::new(corners(face))).collect();
         Ok(Self { nodes, leaves, triangles, centre, to_unit })
     }
@@ -123,6 +130,16 @@ impl TriangleTree {
     fn normalise(&self, point: Vec3) -> Vec3 {
         scale(sub(point, self.centre), self.to_unit)
     }
+}
+
+/// The box of a triangle in normalised coordinates, rounded outwards.
+fn bounds_of(corners: [Vec3; 3]) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for corner in corners {
+        bounds.include(corner.map(|x| x as f32));
+    }
+    // More than the rounding of coordinates in −1..=1; a thousandth of `leaf::ROUNDING`.
+    bounds.widened(f32::EPSILON / 2.0)
 }
 
 /// Checks that all indices and coordinates can be used.

@@ -12,7 +12,7 @@ pub use compare::{
     compare_sequences_with,
 };
 pub use error::{ScanFault, SequenceError};
-pub use kn_metrics::{CompareOptions, Comparison, Metric};
+pub use kn_metrics::{CompareOptions, Comparison, Metric, PointSampling};
 pub use labels::{
     LabelFindings, LabelOrigin, LabelWarnings, LabelledScan, LabelledScans, RepeatedWarning,
     check_scans, segment_scans,

@@ -5,6 +5,7 @@
 
 mod clock;
 mod coding;
+mod compare_anywhere;
 mod generator_table;
 mod io_speed;
 mod large_motion;
@@ -30,6 +31,12 @@ struct Program {
 }
 
 const PROGRAMS: &[Program] = &[
+    Program {
+        name: "compare-anywhere",
+        arguments: "[VERTICES]",
+        about: "CPU time of all metrics, wherever two meshes are relative to each other",
+        run: compare_anywhere::run,
+    },
     Program {
         name: "generator-table",
         arguments: "[NODES [FOLDER..]]",

@@ -11,7 +11,7 @@ use kn_bitstream::params::{BodyPart, NameError, Named};
 use kn_io::{check_scalar_format, write_mesh_with_scalar};
 use kn_mesh::Mesh;
 use kn_sequence::{
-    CompareOptions, CompareSequences, MeasuredPair, Sequence, SequenceOptions,
+    CompareOptions, CompareSequences, MeasuredPair, PointSampling, Sequence, SequenceOptions,
     compare_sequences_with,
 };
 use output::Report;
@@ -22,6 +22,8 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Each side is a mesh (OBJ, PLY, OFF, STL, glTF), a folder, a pattern in quotes, or a .knm file. Relative
 distances and decibels refer to the box of the whole reference: its diagonal and its longest side.
+RMS and PSNR are those of 100,000 samples of each surface (--samples). Hausdorff distance, D1 and D2
+take the vertices too.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
 encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of
 different length are an error, unless --frames names only frames that both have.
@@ -33,6 +35,7 @@ Examples:
   kn compare 'scan/*.obj' dance.knm
   kn compare 'scan/*.obj' dance.knm --json | jq .mean
   kn compare scan/ dance.knm --csv rows.csv --frames 0..7
+  kn compare a.ply b.ply --grid 1024
   kn compare a.ply b.ply --heatmap error.png --values error.ply
   kn compare 'scan/*.obj' dance.knm --part torso --labels 'scan/*.labels'")]
 pub(crate) struct CompareArguments {
@@ -42,8 +45,8 @@ pub(crate) struct CompareArguments {
     /// The mesh or sequence that is measured against the reference
     #[arg(value_name = "OTHER")]
     other: PathBuf,
-    /// Print JSON: {mean, mean_predicted, frames, box}; mean_predicted is of the P-frames of a
-    /// stream
+    /// Print JSON: {mean, mean_predicted, frames, box, samples, grid}; mean_predicted is of the
+    /// P-frames of a stream, grid is there with --grid
     #[arg(long)]
     json: bool,
     /// Also write a row per frame to this file; - is standard output, without the table
@@ -55,6 +58,15 @@ pub(crate) struct CompareArguments {
     /// Point-to-surface distances only, without MSDM2, D1 and D2
     #[arg(long)]
     fast: bool,
+    /// Samples of each surface for distances, D1 and D2, uniform by area
+    #[arg(long, value_name = "N", default_value_t = 100_000,
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    samples: u32,
+    /// Measure D1 and D2 along a grid as MPEG does, with this many lines (1024 in MPEG's test
+    /// conditions) on the longest side of the box, in place of vertices and samples
+    #[arg(long, value_name = "LINES", conflicts_with_all = ["fast", "part"],
+        value_parser = clap::value_parser!(u32).range(2..=65_536))]
+    grid: Option<u32>,
     /// Measure one body part only, by its number or name such as `torso`: the points of its faces
     /// against the whole other side; implies --fast
     #[arg(long, value_name = "PART", value_parser = part_of_name)]
@@ -102,12 +114,13 @@ pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outco
     arguments.check_outputs(&reference, &distorted)?;
     let bar = progress::bar(global, "measuring", None);
     let mut drawn = None;
-    let measured = compare_sequences_with(&reference, &distorted, &arguments.options(), |pair| {
+    let options = arguments.options();
+    let measured = compare_sequences_with(&reference, &distorted, &options, |pair| {
         drawn.get_or_insert_with(|| arguments.draw(&pair));
         bar.step();
     });
     drop(bar);
-    let comparison = Report::new(measured?);
+    let comparison = Report::new(measured?, &options.metrics);
     arguments.print(&comparison)?;
     arguments.write(&comparison, drawn.transpose()?.unwrap_or_default())?;
     Ok(Outcome::Good)
@@ -131,6 +144,10 @@ impl CompareArguments {
         let mut options = CompareSequences::default();
         if self.is_fast() {
             options.metrics = CompareOptions::distances();
+        }
+        options.metrics.samples = self.samples as usize;
+        if let Some(lines) = self.grid {
+            options.metrics.points = Some(PointSampling::Grid(lines as usize));
         }
         options.frames = self.frames.first()..=self.frames.last();
         options.part = self.part;

@@ -31,9 +31,9 @@ pub enum Metric {
     /// MSDM2 with the curvature at the closest points, the mean of both directions. It does not
     /// depend on the order of faces.
     Msdm2Projected,
-    /// D1, point to point, on samples along a grid, in decibels.
+    /// D1, point to point, in decibels, on the points of [`PointSampling`](crate::PointSampling).
     D1Psnr,
-    /// D2, point to plane, on samples along a grid, in decibels.
+    /// D2, point to plane, in decibels, on the same points.
     D2Psnr,
 }
 

@@ -76,3 +76,46 @@ fn what_cannot_be_compared_is_refused() {
     assert_eq!("msdm2_ab".parse(), Ok(Metric::Msdm2Forward));
     assert!("msdm3".parse::<Metric>().is_err_and(|error| error.to_string().contains("msdm3")));
 }
+
+/// What `compare` has to end with, wherever the meshes are: a value for every metric.
+#[test]
+fn meshes_anywhere_are_measured() {
+    let sheet = sheet(60, 0.0);
+    let turned = |p: &[f64; 3]| [0.6 * p[0] - 0.8 * p[2], p[1], 0.8 * p[0] + 0.6 * p[2]];
+    let moved = |far: f64, scale: f64| {
+        move |p: &[f64; 3]| {
+            let [x, y, z] = turned(p);
+            [scale * x + far, scale * y - 0.4 * far, scale * z + 0.7 * far]
+        }
+    };
+    let places =
+        [(0.0, 1.0), (1.0, 1.0), (30.0, 1.0), (1e4, 1.0), (1e8, 1.0), (0.0, 1e3), (0.1, 1e-4)];
+    for (far, scale) in places {
+        let place = moved(far, scale);
+        let other: Vec<[f64; 3]> = sheet.0.iter().map(place).collect();
+        let reference = MeshRef::new(&sheet.0, &sheet.1);
+        let options = CompareOptions::default();
+        let found = compare(reference, MeshRef::new(&other, &sheet.1), &options).expect("measured");
+        assert!(found.iter().count() == Metric::ALL.len());
+        assert!(found.iter().all(|(_, value)| !value.is_nan()), "{far} {scale}: {found:?}");
+        let rms = found.get(Metric::P2sRmsWorld).expect("measured");
+        let way = far * 1.65_f64.sqrt();
+        assert!(far < 30.0 || (rms / way - 1.0).abs() < 2.0 / far, "{far}: {rms}");
+    }
+}
+
+#[test]
+fn the_grid_is_on_request() {
+    let mut options = CompareOptions::distances();
+    let coarse = |options: &CompareOptions| {
+        let (a, b) = (sheet(1, 0.0), sheet(1, 0.01));
+        compare(MeshRef::new(&a.0, &a.1), MeshRef::new(&b.0, &b.1), options).expect("comparable")
+    };
+    assert_eq!(coarse(&options).get(Metric::D1Psnr), None);
+    options.points = Some(PointSampling::Grid(1024));
+    let grid = coarse(&options).get(Metric::D1Psnr).expect("measured");
+    options.points = Some(PointSampling::Surface);
+    let surface = coarse(&options).get(Metric::D1Psnr).expect("measured");
+    // Every point is 0.01 from its twin.
+    assert!((grid - surface).abs() < 0.5 && surface > 40.0, "{grid} {surface}");
+}

@@ -1,6 +1,7 @@
 //! Points where the lines of a regular grid meet a mesh.
 
 use super::PointError;
+use super::cloud::Sample;
 use kn_mesh::vec3::{Vec3, cross, norm, scale, sub};
 
 /// The largest number of hits; 1024 lines give about a million on a scanned person.
@@ -28,22 +29,23 @@ impl Grid {
         Ok(Self { origin: min, step })
     }
 
-    /// Each hit with the unit normal of its face. Faces without area are not hit.
+    /// Each hit with the index of its face. Faces without area are not hit.
     pub(super) fn hits(
         &self,
         positions: &[Vec3],
         faces: &[[u32; 3]],
-    ) -> Result<Vec<(Vec3, Vec3)>, PointError> {
+    ) -> Result<Vec<Sample>, PointError> {
         let faces = || {
             let corners = |face: &[u32; 3]| face.map(|vertex| positions[vertex as usize]);
-            faces.iter().filter_map(move |face| Flat::new(self, corners(face)))
+            let flat = move |face| Flat::new(self, corners(face));
+            faces.iter().enumerate().filter_map(move |(index, face)| Some((index, flat(face)?)))
         };
-        let expected: f64 = faces().map(|face| face.expected_hits()).sum();
+        let expected: f64 = faces().map(|(_, face)| face.expected_hits()).sum();
         if expected > MOST_POINTS as f64 {
             return Err(PointError::TooManyPoints { limit: MOST_POINTS });
         }
         let mut hits = Vec::new();
-        faces().for_each(|face| face.hit(self, &mut hits));
+        faces().for_each(|(index, face)| face.hit(self, |hit| hits.push(Sample::new(hit, index))));
         Ok(hits)
     }
 }
@@ -91,7 +93,7 @@ impl Flat {
         0.5 * doubled.abs() + (high - low)
     }
 
-    fn hit(&self, grid: &Grid, hits: &mut Vec<(Vec3, Vec3)>) {
+    fn hit(&self, grid: &Grid, mut found: impl FnMut(Vec3)) {
         let (along, u, v) = (self.along, (self.along + 1) % 3, (self.along + 2) % 3);
         for i in whole_numbers(self.corners.map(|corner| corner[0])) {
             let Some(ends) = cross_section(&self.corners, i) else { continue };
@@ -102,7 +104,7 @@ impl Flat {
                 let rise = (hit[u] - self.corner[u]) * self.normal[u]
                     + (hit[v] - self.corner[v]) * self.normal[v];
                 hit[along] = self.corner[along] - rise / self.normal[along];
-                hits.push((hit, self.normal));
+                found(hit);
             }
         }
     }

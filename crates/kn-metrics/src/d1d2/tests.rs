@@ -1,4 +1,13 @@
+use super::cloud::Sample;
 use super::*;
+use kn_mesh::vec3::distance_squared;
+
+/// Points with normals of their own.
+fn merged<const N: usize>(points: [(Vec3, Vec3); N]) -> PointCloud {
+    let sample = |(index, point): (usize, &(Vec3, Vec3))| Sample::new(point.0, index);
+    let samples = points.iter().enumerate().map(sample).collect();
+    PointCloud::merged(samples, &points.map(|point| point.1)).expect("small coordinates")
+}
 
 /// A square in the plane z, of side 8.
 fn square(z: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -15,8 +24,8 @@ fn a_square_has_a_point_on_every_crossing_once() {
     let (positions, faces) = square(1.0);
     let cloud = PointCloud::from_grid(&positions, &faces, &grid()).unwrap();
     assert_eq!(cloud.len(), 81);
-    assert!(cloud.points.iter().all(|p| p[2] == 1.0 && p[0].fract() == 0.0));
-    assert!(cloud.normals.iter().all(|&n| n == [0.0, 0.0, 1.0]));
+    assert!(cloud.points().iter().all(|p| p[2] == 1.0 && p[0].fract() == 0.0));
+    assert!(cloud.normals().iter().all(|&n| n == [0.0, 0.0, 1.0]));
 }
 
 #[test]
@@ -35,13 +44,12 @@ fn d2_sees_only_the_way_along_the_normal() {
 #[test]
 fn equally_near_points_count_with_their_mean() {
     // Between two reference points; only the first has its normal along the way.
-    let one = PointCloud::merged(vec![([0.0; 3], [0.0, 0.0, 1.0])]).unwrap();
-    let two = PointCloud::merged(vec![
+    let one = merged([([0.0; 3], [0.0, 0.0, 1.0])]);
+    let two = merged([
         ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
         ([-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
         ([0.0, 0.0, 7.0], [0.0, 0.0, 1.0]),
-    ])
-    .unwrap();
+    ]);
     let found = point_distortion(&two, &one);
     assert_eq!((found.d1.from_other, found.d2.from_other), (1.0, 0.5));
     // The one point inherits the mean of all three normals.
@@ -92,4 +100,54 @@ fn isolated_vertices_are_measured() {
     // The farther point is three away from its nearest, the other three are nowhere apart.
     let expected = MeanSquares { from_reference: 0.0, from_other: 9.0 / 4.0 };
     assert_eq!(point_distortion(&a, &b).d1, expected);
+}
+
+/// Points of a lattice (ties of many) or anywhere, by a generator without state.
+fn points(count: u32, lattice: bool, shift: f64) -> Vec<(Vec3, Vec3)> {
+    let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 12) / f64::from(1 << 20);
+    let point = |i: u32| {
+        let place = [0, 1, 2].map(|axis| number(3 * i + axis + 1));
+        let place = if lattice { place.map(|x| (x * 6.0).round()) } else { place };
+        (place.map(|x| x + shift), [0.0, 0.0, 1.0])
+    };
+    (0..count).map(point).collect()
+}
+
+#[test]
+fn the_nearest_points_are_those_of_a_scan() {
+    for (lattice, shift) in [(false, 0.0), (false, 0.3), (true, 0.0), (true, 0.5), (true, 40.0)] {
+        let cloud = |count, shift| {
+            let points = points(count, lattice, shift);
+            let samples = points.iter().map(|point| Sample::new(point.0, 0)).collect();
+            PointCloud::merged(samples, &[[0.0, 0.0, 1.0]]).expect("small coordinates")
+        };
+        let (from, to) = (cloud(400, shift), cloud(500, 0.0));
+        let found = Neighbours::new(&from, &to);
+        let wide = |point: &[f32; 3]| point.map(f64::from);
+        for (index, point) in from.points().iter().map(wide).enumerate() {
+            let squares: Vec<f64> =
+                to.points().iter().map(|to| distance_squared(point, wide(to))).collect();
+            let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+            let equal = squares.iter().filter(|&&square| square <= least * (1.0 + 1e-9)).count();
+            let near = found.nearest(index);
+            assert_eq!(near.len(), equal.min(30));
+            assert!(near.iter().all(|&near| squares[near as usize] <= least * (1.0 + 1e-9)));
+            assert!(near.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+}
+
+#[test]
+fn vertices_and_samples_are_the_points_of_a_surface() {
+    let (a, b) = (square(0.0), square(0.5));
+    let cloud = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>)| {
+        PointCloud::from_surface(&mesh.0, &mesh.1, 1000).expect("a square")
+    };
+    let (a, b) = (cloud(&a), cloud(&b));
+    assert_eq!((a.len(), point_distortion(&a, &a).d1.worse()), (1004, 0.0));
+    let found = point_distortion(&a, &b);
+    assert!((found.d1.worse() - 0.25).abs() < 1e-12 && (found.d2.worse() - 0.25).abs() < 1e-12);
+    let (positions, faces) = square(1e19);
+    let huge = PointCloud::from_surface(&positions, &faces, 9).map(|_| ());
+    assert_eq!(huge, Err(PointError::TooLarge));
 }

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::eigenvalues::mean_absolute;
-use super::flood::{Flood, Graph, SMALLEST_PART, Spheres, Step, clip_special, parts};
+use super::flood::{
+    Bounded, Flood, Graph, SMALLEST_PART, Spheres, Step, clip_special, mean_reached, parts,
+};
 use super::machine::{Machine, QUAD, Quad, Task, dispatch, dot};
 use super::topology::{Symmetric, Topology};
 use crate::lanes::lanes;
@@ -13,6 +15,16 @@ use kn_mesh::vec3::{Vec3, norm, sub};
 
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 256;
+
+/// Where spheres hold more than this part of the mesh in the mean, because it is tiny beside the
+/// other one for example, a sphere's flood ends early. Spheres of scans hold a five thousandth.
+const LARGE_PART: usize = 256;
+
+/// Vertices that all floods together reach then, but for the last wave of each.
+const MOST_REACHED: usize = 1 << 22;
+
+/// Vertices that a flood reaches at least.
+const LEAST_REACHED: usize = 32;
 
 /// A vertex's edges on their own: inside a sphere that every edge leaves, the tensor grows with
 /// the radius, and one set of eigenvalues serves all radii. That is most vertices of a scan.
@@ -103,7 +115,9 @@ pub(super) fn curvature(
 ) -> Vec<f64> {
     let levels = radii.len();
     let spheres = Spheres::new(radii.iter().copied(), topology);
-    let kernel = Kernel { topology, rings, positions, side, radii, spheres };
+    let mean = mean_reached(Graph { topology, positions }, &spheres);
+    let most = most_reached(mean, positions.len());
+    let kernel = Kernel { topology, rings, positions, side, radii, spheres, most };
     let mut curvature = vec![0.0; positions.len() * levels];
     curvature.par_chunks_mut(CHUNK * levels).enumerate().for_each_init(
         || Scratch::new(positions.len(), levels),
@@ -112,6 +126,12 @@ pub(super) fn curvature(
         },
     );
     curvature
+}
+
+/// How many vertices end a flood, where one reaches `mean` of `count` vertices.
+fn most_reached(mean: usize, count: usize) -> usize {
+    let is_large = mean > count / LARGE_PART && mean * count > MOST_REACHED;
+    if is_large { (MOST_REACHED / count).max(LEAST_REACHED) } else { usize::MAX }
 }
 
 /// Buffers of a thread.
@@ -143,6 +163,8 @@ struct Kernel<'a> {
     side: f64,
     radii: &'a [f64],
     spheres: Spheres,
+    /// The number of vertices that end a flood.
+    most: usize,
 }
 
 /// A chunk of vertices.
@@ -199,7 +221,9 @@ impl Kernel<'_> {
         }
         let Scratch { flood, sums, tensors, places } = scratch;
         sums.fill([[0.0; 4]; 2]);
-        flood.run(machine, Graph { topology, positions }, vertex as u32, spheres, |step| {
+        let graph = Graph { topology, positions };
+        let bounded = Bounded { spheres, most: self.most };
+        flood.run(machine, graph, vertex as u32, bounded, |step| {
             let step = Step { level: step.level.max(small), ..*step };
             add_edges(machine, sums, &step, topology, positions, spheres);
         });
@@ -301,7 +325,8 @@ mod tests {
         let curvature = curvature(topology, &found, &positions, side, &radii);
         let spheres = Spheres::new(radii.iter().copied(), topology);
         let positions = &positions[..];
-        let kernel = Kernel { topology, rings: &found, positions, side, radii: &radii, spheres };
+        let (rings, most) = (&found[..], usize::MAX);
+        let kernel = Kernel { topology, rings, positions, side, radii: &radii, spheres, most };
         let mut scratch = Scratch::new(positions.len(), MAX_LEVELS);
         let mut baseline = vec![0.0; curvature.len()];
         Chunk { of: &kernel, scratch: &mut scratch, first: 0, out: &mut baseline }.run(Baseline);

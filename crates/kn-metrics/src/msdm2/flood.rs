@@ -2,7 +2,7 @@
 
 use super::MAX_LEVELS;
 use super::list::List;
-use super::machine::{Machine, Quad};
+use super::machine::{Machine, Quad, Task, dispatch};
 use super::topology::{Block, Topology};
 use crate::lanes::lanes;
 use kn_mesh::vec3::{Vec3, dot, norm_squared, sub};
@@ -70,6 +70,45 @@ pub(super) struct Graph<'a> {
     pub(super) positions: &'a [Vec3],
 }
 
+/// The extent of a flood.
+#[derive(Clone, Copy)]
+pub(super) struct Bounded<'a> {
+    pub(super) spheres: &'a Spheres,
+    /// The number of vertices that end it.
+    pub(super) most: usize,
+}
+
+/// Floods that are looked at to see how many vertices they reach.
+const PROBES: usize = 64;
+
+/// The mean number of vertices that a flood reaches, of some evenly chosen centres.
+pub(super) fn mean_reached(graph: Graph<'_>, spheres: &Spheres) -> usize {
+    dispatch(Probes { graph, spheres })
+}
+
+struct Probes<'a> {
+    graph: Graph<'a>,
+    spheres: &'a Spheres,
+}
+
+impl Task for Probes<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<M: Machine>(self, machine: M) -> usize {
+        let (count, levels) = (self.graph.positions.len(), self.spheres.last() + 1);
+        let mut flood = Flood::new(count, levels);
+        let all = Bounded { spheres: self.spheres, most: usize::MAX };
+        let (mut reached, mut probes) = (0, 0);
+        for centre in (0..count).step_by(count.div_ceil(PROBES).max(1)) {
+            flood.run(machine, self.graph, centre as u32, all, |_| ());
+            reached += (0..levels).map(|level| flood.reached(level).len()).sum::<usize>();
+            probes += 1;
+        }
+        reached / probes.max(1)
+    }
+}
+
 impl Flood {
     pub(super) fn new(vertex_count: usize, levels: usize) -> Self {
         Self {
@@ -81,19 +120,22 @@ impl Flood {
         }
     }
 
-    /// Visits each used edge once, from its nearer end.
+    /// Visits each used edge once, from its nearer end. The flood ends with the wave in which it has
+    /// come to `most` vertices.
     #[inline(always)]
     pub(super) fn run<M: Machine>(
         &mut self,
         machine: M,
         Graph { topology, positions }: Graph,
         centre: u32,
-        spheres: &Spheres,
+        Bounded { spheres, most }: Bounded,
         mut visit: impl FnMut(&Step),
     ) {
         let origin = positions[centre as usize];
         self.start(centre);
-        while !self.wave.as_slice().is_empty() {
+        let mut count = 0;
+        while !self.wave.as_slice().is_empty() && count < most {
+            count += self.wave.as_slice().len();
             self.found.clear();
             for &vertex in self.wave.as_slice() {
                 let offset = sub(positions[vertex as usize], origin);
@@ -252,7 +294,7 @@ pub(super) fn clip_special(along: Vec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::machine::{Baseline, Task, dispatch};
+    use super::super::machine::Baseline;
     use super::super::{radii, tests::hard};
     use super::*;
 
@@ -270,7 +312,8 @@ mod tests {
             let mut blocks = 0;
             let graph = Graph { topology: &topology, positions: &positions };
             for (centre, &origin) in positions.iter().enumerate() {
-                flood.run(machine, graph, centre as u32, &spheres, |step| {
+                let all = Bounded { spheres: &spheres, most: usize::MAX };
+                flood.run(machine, graph, centre as u32, all, |step| {
                     let start = Start {
                         vertex: step.from,
                         origin,

@@ -4,23 +4,21 @@ use super::Msdm2Surface;
 use crate::tree::Closest;
 use kn_mesh::vec3::{Vec3, norm, sub};
 
-/// The closest point on `original` for each of `points`.
+/// The closest points with the faces that MSDM2 prefers.
 ///
 /// Of equally close faces the lowest is taken, except at a corner, where a face that starts with
 /// this corner goes first. The reference starts its search from the first corners of all faces and
 /// keeps the face of the nearest one; in its published matches no such vertex has another face.
-pub(super) fn closest_faces(original: &Msdm2Surface, points: &[Vec3]) -> Vec<Closest> {
-    let mut matches = original.tree.closest_all(points);
-    for closest in &mut matches {
+pub(super) fn preferred(original: &Msdm2Surface, matches: &[Closest]) -> Vec<Closest> {
+    let preferred = |&closest: &Closest| {
         let face = original.faces[closest.face as usize];
         let corner = closest.barycentric.iter().position(|&weight| weight == 1.0);
-        let first_face = corner.and_then(|corner| original.first_faces[face[corner] as usize]);
-        if let Some(face) = first_face {
-            closest.face = face;
-            closest.barycentric = [1.0, 0.0, 0.0];
+        match corner.and_then(|corner| original.first_faces[face[corner] as usize]) {
+            Some(face) => Closest { face, barycentric: [1.0, 0.0, 0.0], ..closest },
+            None => closest,
         }
-    }
-    matches
+    };
+    matches.iter().map(preferred).collect()
 }
 
 /// Weights of a matched face's corners: the areas that the vertex forms with the opposite sides,

@@ -6,6 +6,8 @@ use super::*;
 use crate::tree::Closest;
 use kn_mesh::vec3::distance_squared;
 
+mod limits;
+
 /// A torus of `around × across` quads cut into triangles; `bump` moves each vertex along its
 /// normal by a value from −1..=1.
 fn torus(around: u32, across: u32, bump: impl Fn(u32) -> f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -195,20 +197,6 @@ fn a_single_flipped_face_is_taken_in_the_order_of_indices() {
 }
 
 #[test]
-fn bad_input_is_named() {
-    let (positions, faces) = torus(5, 4, |_| 0.0);
-    let error = |positions: &[Vec3], faces: &[[u32; 3]], levels| {
-        Msdm2Surface::new(positions, faces, levels).map(|_| ()).unwrap_err()
-    };
-    assert_eq!(error(&positions, &faces, 0), Msdm2Error::Levels { levels: 0 });
-    assert_eq!(error(&positions, &faces, 17), Msdm2Error::Levels { levels: 17 });
-    assert_eq!(error(&positions, &[], 3), Msdm2Error::Mesh(TreeError::NoFaces));
-    assert_eq!(error(&[[1.0; 3]; 3], &[[0, 1, 2]], 3), Msdm2Error::NoExtent);
-    let tiny: Vec<Vec3> = positions.iter().map(|p| p.map(|x| 1e-70 * x)).collect();
-    assert_eq!(error(&tiny, &faces, 3), Msdm2Error::NoExtent);
-}
-
-#[test]
 fn threads_do_not_matter() {
     let (a, b) = (torus(80, 41, |_| 0.0), hard());
     let run = |threads| {
@@ -238,18 +226,29 @@ pub(super) fn hard() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
+fn closest_faces(original: &Msdm2Surface, distorted: &Msdm2Surface) -> Vec<Closest> {
+    matching::preferred(original, &original.tree.closest_all(&distorted.positions))
+}
+
+/// The mean over the levels at one vertex.
+fn local_of(direction: &Direction<'_>, vertex: usize, scratch: &mut Scratch) -> f64 {
+    let mut local = [0.0];
+    direction.local(Baseline, vertex, scratch, &mut local);
+    local[0]
+}
+
 #[test]
 fn the_machine_does_not_matter() {
     let prepared = |(positions, faces): (Vec<Vec3>, Vec<[u32; 3]>)| {
         Msdm2Surface::new(&positions, &faces, MAX_LEVELS).unwrap()
     };
     let (a, b) = (prepared(torus(80, 41, |_| 0.0)), prepared(hard()));
-    let matches = matching::closest_faces(&a, &b.positions);
-    let direction = Direction::new(&b, &a, &matches, MAX_LEVELS, Interpolation::AtVertex);
+    let matches = closest_faces(&a, &b);
+    let direction = Direction::new(&b, &a, &matches, MAX_LEVELS, &[Interpolation::AtVertex]);
     let mut scratch = Scratch::new(b.positions.len(), MAX_LEVELS);
     let mut samples = 0;
-    for (vertex, &local) in direction.evaluate().local.iter().enumerate() {
-        assert!(local == direction.local(Baseline, vertex, &mut scratch), "vertex {vertex}");
+    for (vertex, &local) in direction.evaluate()[0].local.iter().enumerate() {
+        assert!(local == local_of(&direction, vertex, &mut scratch), "vertex {vertex}");
         samples += scratch.count(MAX_LEVELS - 1);
     }
     assert!(samples > 50 * b.positions.len(), "neighbourhoods of several waves");
@@ -274,7 +273,7 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
     let rows: Vec<Vec<f64>> =
         rows.map(|row| row.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
     assert_eq!(rows.len(), distorted.positions.len());
-    let mut matches = matching::closest_faces(original, &distorted.positions);
+    let mut matches = closest_faces(original, distorted);
     for (closest, row) in matches.iter_mut().zip(&rows) {
         let (vertex, point) = (distorted.positions[row[0] as usize], [row[1], row[2], row[3]]);
         let reference = distance_squared(vertex, point);
@@ -283,12 +282,12 @@ fn compare_stages(original: &Msdm2Surface, distorted: &Msdm2Surface, text: &str)
         closest.point = point;
     }
     let direction =
-        Direction::new(distorted, original, &matches, DEFAULT_LEVELS, Interpolation::AtVertex);
+        Direction::new(distorted, original, &matches, DEFAULT_LEVELS, &[Interpolation::AtVertex]);
     let mut scratch = Scratch::new(rows.len(), DEFAULT_LEVELS);
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
     for row in &rows {
         let vertex = row[0] as usize;
-        let mean = direction.local(Baseline, vertex, &mut scratch);
+        let mean = local_of(&direction, vertex, &mut scratch);
         assert!(near(mean, row[17]), "vertex {vertex}: {mean} instead of {}", row[17]);
         for level in 0..DEFAULT_LEVELS {
             let stage = &row[5 + 4 * level..];
@@ -347,7 +346,7 @@ fn score_by(original: &Msdm2Surface, distorted: &Msdm2Surface, choice: Choice) -
     }
     let own = distorted.curvature(distorted.side, 1);
     let other = original.curvature(distorted.side, 1);
-    let mut matches = matching::closest_faces(original, &distorted.positions);
+    let mut matches = closest_faces(original, distorted);
     for (vertex, closest) in matches.iter_mut().enumerate() {
         let cost = |&face: &u32| {
             let closest = Closest { face, ..*closest };
@@ -360,8 +359,8 @@ fn score_by(original: &Msdm2Surface, distorted: &Msdm2Surface, choice: Choice) -
         closest.face = *best.unwrap();
     }
     let direction =
-        Direction::new(distorted, original, &matches, DEFAULT_LEVELS, Interpolation::AtVertex);
-    direction.evaluate().score
+        Direction::new(distorted, original, &matches, DEFAULT_LEVELS, &[Interpolation::AtVertex]);
+    direction.evaluate()[0].score
 }
 
 /// Where our score is not within the oracle's tolerance, other choices among equally close faces

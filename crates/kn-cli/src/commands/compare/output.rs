@@ -2,7 +2,9 @@
 
 use crate::stream;
 use crate::table::{grouped, table};
-use kn_sequence::{Comparison, FrameComparison, Metric, SequenceComparison};
+use kn_sequence::{
+    CompareOptions, Comparison, FrameComparison, Metric, PointSampling, SequenceComparison,
+};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -18,6 +20,12 @@ pub(super) struct Report {
     /// The box that relative values refer to.
     #[serde(rename = "box")]
     scale: BoxLengths,
+    /// Points on each surface, uniform by area, that distances are measured at.
+    samples: usize,
+    /// Lines of the grid that D1 and D2 are measured along; without it they are measured at the
+    /// vertices and samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<usize>,
 }
 
 /// Lengths of the reference's box in world units.
@@ -60,11 +68,15 @@ const TITLES: [&str; 9] = [
 ];
 
 impl Report {
-    pub(super) fn new(measured: SequenceComparison) -> Self {
+    pub(super) fn new(measured: SequenceComparison, options: &CompareOptions) -> Self {
         let SequenceComparison { bounds, mean, mean_predicted, .. } = measured;
         let scale = BoxLengths { side: bounds.longest_side(), diagonal: bounds.diagonal() };
         let frames = measured.frames.into_iter().map(FrameRow::from).collect();
-        Self { mean, mean_predicted, frames, scale }
+        let grid = match options.points {
+            Some(PointSampling::Grid(lines)) => Some(lines),
+            _ => None,
+        };
+        Self { mean, mean_predicted, frames, scale, samples: options.samples, grid }
     }
 
     pub(super) fn write_table(&self, out: &mut dyn Write) -> io::Result<()> {
@@ -73,6 +85,8 @@ impl Report {
             "box of the reference: longest side {:.6}, diagonal {:.6}",
             self.scale.side, self.scale.diagonal
         )?;
+        let samples = grouped(self.samples as u64);
+        writeln!(out, "samples of each surface: {samples}{}", self.points())?;
         let titles: Vec<&str> = ["frame", "kind", "bytes"].into_iter().chain(TITLES).collect();
         let mut table = table(&titles);
         for frame in &self.frames {
@@ -91,6 +105,15 @@ impl Report {
             }
         }
         writeln!(out, "{table}")
+    }
+
+    /// The points that D1 and D2 were measured at.
+    fn points(&self) -> String {
+        match (self.grid, self.mean.get(Metric::D1Psnr)) {
+            (Some(lines), _) => format!("; D1 and D2 along a grid of {lines} lines, as MPEG does"),
+            (None, Some(_)) => "; D1 and D2 at these and at the vertices".to_owned(),
+            (None, None) => String::new(),
+        }
     }
 
     pub(super) fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -5,7 +5,7 @@ use crate::nearest::nearest;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use kn_bitstream::params::{FrameRate, UpAxis};
 use kn_codec::{NamedSetting, Preset};
-use kn_metrics::CompareOptions;
+use kn_metrics::{CompareOptions, PointSampling};
 use serde::Deserialize;
 
 /// Scans in files, or a performer.
@@ -75,11 +75,13 @@ pub(crate) struct RateEntry {
 pub(crate) struct MetricsEntry {
     pub(crate) msdm2: bool,
     pub(crate) d1d2: bool,
+    /// Lines of MPEG's grid for D1 and D2; without it they are measured at vertices and samples.
+    pub(crate) grid: Option<usize>,
 }
 
 impl Default for MetricsEntry {
     fn default() -> Self {
-        Self { msdm2: true, d1d2: false }
+        Self { msdm2: true, d1d2: false, grid: None }
     }
 }
 
@@ -88,7 +90,8 @@ impl MetricsEntry {
         let mut options = CompareOptions::default();
         options.msdm2 = self.msdm2;
         options.projected = false;
-        options.grid = options.grid.filter(|_| self.d1d2);
+        let points = self.grid.map_or(PointSampling::Surface, PointSampling::Grid);
+        options.points = self.d1d2.then_some(points);
         options
     }
 }
