@@ -1,5 +1,6 @@
 //! Each worked example of the specification: kn-bitstream and the interpreter of the tables read it
 //! to the printed trace, and both write it back to the same bytes. Two named tests an example.
+//! `spec/examples.json` has the same examples.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +20,19 @@ fn main() {
             Trial::test(format!("{} tables", tables.place), move || check_tables(&spec, &tables)),
         ]
     });
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit();
+    let json = Trial::test("examples.json", {
+        let (spec, path) = (Arc::clone(&spec), folder.join("examples.json"));
+        move || check_json(&spec, &path)
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.chain([json]).collect()).exit();
+}
+
+fn check_json(spec: &Spec, path: &Path) -> Result<(), Failed> {
+    if std::fs::read_to_string(path)? == kn_corpus::examples::examples_json(spec) {
+        Ok(())
+    } else {
+        Err("cargo run --release -p kn-corpus -- examples".into())
+    }
 }
 
 fn check_product(example: &Example) -> Result<(), Failed> {

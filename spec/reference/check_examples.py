@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Reads the worked examples (1.4) of the specification with this decoder's own readers.
+"""Reads the worked examples (1.4) of the specification, examples.json, with this decoder's own readers.
 
-    python3 check_examples.py [FOLDER OF THE CHAPTERS]
+    python3 check_examples.py [EXAMPLES.json]
 """
 
 import io
-import re
+import json
 import sys
 from pathlib import Path
 
@@ -13,18 +13,6 @@ import kn_decode
 import motion
 import syntax
 from bits import BitReader, Refused, find_table
-
-
-def to_bits(text):
-    bits = ""
-    for line in text.splitlines():
-        for word in line.split("#")[0].split():
-            if word.startswith("0b"):
-                bits += word[2:]
-            else:
-                bits += "".join(f"{int(digit, 16):04b}" for digit in word)
-    bits += "0" * (-len(bits) % 8)
-    return bytes(int(bits[i : i + 8], 2) for i in range(0, len(bits), 8))
 
 
 def header_of(known):
@@ -96,35 +84,28 @@ def to_text(value, like):
     return repr(value)
 
 
-def check(block):
-    head, _, rest = block.partition("\n")
-    given, _, expected = rest.partition("\n.\n")
-    what, _, conditions = head.split("#")[0].strip().partition(" with ")
-    known = {name: int(value) for name, value in re.findall(r"(\w+) = (\d+)", conditions)}
-    expected = [line for line in expected.strip().splitlines() if line]
+def check(example):
     try:
-        trace = read(what, known, to_bits(given))
+        trace = read(example["structure"], example["given"], bytes.fromhex(example["bytes"]))
     except Refused as error:
-        return expected == [f"reject {error.rule}"], str(error)
-    found = []
-    for (at, name, value), line in zip(trace, expected + [""] * len(trace)):
-        found.append(f"{at} {name} = {to_text(value, line.rpartition(' = ')[2])}")
-    return found == expected, "\n".join(found)
+        return example.get("rule") == error.rule, str(error)
+    expected = example.get("elements", [])
+    values = [element["value"] for element in expected] + [""] * len(trace)
+    found = [(at, name, to_text(value, like)) for (at, name, value), like in zip(trace, values)]
+    right = found == [(element["bit"], element["name"], element["value"]) for element in expected]
+    return right, "\n".join(f"{at} {name} = {value}" for at, name, value in found)
 
 
 def main(arguments):
-    folder = Path(arguments[0]) if arguments else find_table("levels.csv").parent.parent
-    good = bad = 0
-    for chapter in sorted(folder.glob("0*.md")):
-        text = chapter.read_text(encoding="utf-8")
-        for match in re.finditer(r"^```example\n(.*?)^```", text, re.M | re.S):
-            right, found = check(match[1])
-            good += right
-            if not right:
-                bad += 1
-                line = text.count("\n", 0, match.start()) + 1
-                print(f"{chapter.name}:{line}: differs, found:\n{found}")
-    print(f"{good} examples as written, {bad} not")
+    path = Path(arguments[0]) if arguments else find_table("levels.csv").parent.parent / "examples.json"
+    bad = 0
+    examples = json.loads(path.read_text(encoding="utf-8"))
+    for example in examples:
+        right, found = check(example)
+        if not right:
+            bad += 1
+            print(f"{example['place']}: differs, found:\n{found}")
+    print(f"{len(examples) - bad} examples as written, {bad} not")
     return 1 if bad else 0
 
 

@@ -162,12 +162,8 @@ class Connectivity:
             if number == 16:
                 return NONE
             h = self.stacks[number].pop()
-            if self.mate[h] != NONE:
-                continue
-            if min(self.lacking[self.end(h)], 15) != number:
-                self.wait(h)
-                continue
-            return h
+            if self.mate[h] == NONE:
+                return h
 
     def read_valence(self, context):
         """r[intra.connectivity.valence.code]"""
@@ -535,7 +531,7 @@ class Geometry:
             queue = self.queues[number]
             while queue:
                 v = queue.popleft()
-                if not self.known[v] and min(self.support[v], 3) == number:
+                if not self.known[v]:
                     return v
         while self.lowest < len(self.known):
             if not self.known[self.lowest] and not self.net.dummy[self.lowest]:
@@ -663,6 +659,34 @@ class Geometry:
 # 5.6 Labels
 
 
+class Fit:
+    """r[intra.labels.border]: the linear function that fits the targets best, by the places D."""
+
+    def __init__(self, D, targets):
+        squares = [float((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) for d in D]  # exact
+        self.scale = max(sum(squares) / float(len(D)), 1.0)  # the sum is exact, below 2^53
+        self.weights = []
+        N = [[0.0] * 5 for _ in range(4)]
+        sum_w = 0.0
+        for d, square, t in zip(D, squares, targets):
+            w = 1.0 / (square / self.scale + 0.25)
+            self.weights.append(w)
+            sum_w = sum_w + w
+            row = (float(d[0]), float(d[1]), float(d[2]), 1.0, t)
+            for i in range(4):
+                for j in range(i, 5):
+                    N[i][j] = N[i][j] + (w * row[i]) * row[j]
+        for i in range(3):
+            N[i][i] = N[i][i] + (1.0 / 256.0 * sum_w) * self.scale
+        self.sums = [list(row) for row in N]
+        for i in range(3):
+            for j in range(i + 1, 4):
+                f = N[i][j] / N[i][i]
+                for k in range(j, 5):
+                    N[j][k] = N[j][k] - f * N[i][k]
+        self.eliminated = N
+
+
 class Labels:
     def __init__(self, header, section, net, geometry):
         self.section = section
@@ -771,25 +795,8 @@ class Labels:
         if not samples:
             return 8
         D = [minus(self.position[w], self.position[v]) for w in samples]
-        squares = [float((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]) for d in D]  # exact
-        scale = max(sum(squares) / float(len(samples)), 1.0)  # the sum is exact, below 2^53
-        N = [[0.0] * 5 for _ in range(4)]
-        sum_w = 0.0
-        for sample, d, square in zip(samples, D, squares):
-            w = 1.0 / (square / scale + 0.25)
-            sum_w = sum_w + w
-            t = 1.0 if self.label[sample] == candidates[0] else -1.0
-            row = (float(d[0]), float(d[1]), float(d[2]), 1.0, t)
-            for i in range(4):
-                for j in range(i, 5):
-                    N[i][j] = N[i][j] + (w * row[i]) * row[j]
-        for i in range(3):
-            N[i][i] = N[i][i] + (1.0 / 256.0 * sum_w) * scale
-        for i in range(3):
-            for j in range(i + 1, 4):
-                f = N[i][j] / N[i][i]
-                for k in range(j, 5):
-                    N[j][k] = N[j][k] - f * N[i][k]
+        targets = [1.0 if self.label[w] == candidates[0] else -1.0 for w in samples]
+        N = Fit(D, targets).eliminated
         return clamp(math.floor(3.0 * (N[3][4] / N[3][3]) + 0.5), -8, 8) + 8
 
     def code(self, candidates, votes, lean):

@@ -18,14 +18,17 @@ MUTANTS = {
     "jump: x does not wait": ("twins", "intra", "waiting = (x, before_e, g1, g2)", "waiting = (before_e, g1, g2)"),
     "left: before(x) does not wait": ("handles", "intra", "waiting = (before_x, g2)", "waiting = (g2,)"),
     "left: g2 waits first": ("handles", "intra", "waiting = (before_x, g2)", "waiting = (g2, before_x)"),
+    "split: no steps for triangles": ("long_splits", "intra", "<= 1024 + 64 * self.triangle_count", "<= 1024"),
+    "triangles: 3·F in all": ("lone_triangle", "intra", "<= 4 * self.header.F", "<= 3 * self.header.F"),
     "right: g1 waits first": ("twins", "intra", "waiting = (x, g1)\n", "waiting = (g1, x)\n"),
-    "gate: an entry of another stack is dropped": ("twins", "intra", "                self.wait(h)\n                continue\n            return h", "                continue\n            return h"),
+    "gate: an entry of another stack is dropped": ("twins", "intra", "            if self.mate[h] == NONE:\n                return h", "            if self.mate[h] == NONE and min(self.lacking[self.end(h)], 15) == number:\n                return h"),
     "gate: first in, first out": ("twins", "intra", "self.stacks[number].pop()", "self.stacks[number].pop(0)"),
     # 5.3 Cut vertices
     "twins: a copy goes to the list's end": ("twins", "intra", "self.twin[copy] = self.twin[earlier]\n            self.twin[earlier] = copy", "last = [w for w in self.twins(earlier)][-1]\n            self.twin[copy] = earlier\n            self.twin[last] = copy"),
     "join: gaps from the copy itself": ("twins", "intra", "first = copy + 1", "first = copy"),
     # 5.4 Faces
     "faces: raw ones first": ("twins", "intra", "            faces.append(tuple(face))\n        return faces", "            faces.insert(0, tuple(face))\n        return faces"),
+    "raw faces: those alone that repeat a vertex": ("raw_faces", "intra", "            faces.append(tuple(face))\n        return faces", "            require(len(set(face)) < 3, \"intra.faces.raw\", \"\")\n            faces.append(tuple(face))\n        return faces"),
     # 5.5 Geometry
     "twins: positions, then all settled": ("joined_neighbours", "intra", "                self.error[w] = error\n                self.settle(w)", "                self.error[w] = error\n            for w in net.twins(v):\n                self.settle(w)"),
     "ring: 31 half-edges": ("label_hubs", "intra", "if index == 32:", "if index == 31:"),
@@ -45,6 +48,8 @@ MUTANTS = {
     "normal: shifted towards zero": ("twins", "intra", "N = [x >> too_long for x in ring.normal]", "N = [divide(x, 2**too_long) for x in ring.normal]"),
     "mean: rounded down": ("twins", "intra", "mean = divide(-w * N[p] * N[q] * errors[p], X)", "mean = -w * N[p] * N[q] * errors[p] // X"),
     "frame: the highest axis of equals": ("twins", "intra", "d = max(range(3), key=lambda axis: abs(N[axis]))", "d = max((2, 1, 0), key=lambda axis: abs(N[axis]))"),
+    "mean of q: in binary64": ("wide_means", "intra", "divide(-w * N[p] * N[q] * errors[p], X)", "int(float(-w * N[p] * N[q]) * float(errors[p]) / float(X))"),
+    "mean of d: in binary64": ("wide_means", "intra", "divide(-w * N[d] * (N[p] * errors[p] + N[q] * errors[q]), S + w * N[d] * N[d])", "int(float(-w * N[d]) * float(N[p] * errors[p] + N[q] * errors[q]) / float(S + w * N[d] * N[d]))"),
     "unsupported: from the last supported one": ("label_no_samples", "intra", "            self.coded_before = position\n", "            self.coded_before = position if error else self.coded_before\n"),
     "lattice: gaps of eight escaped": ("lattice", "intra", "while gap <= 8 and decision(\"lattice longer\", near, far, gap - 1):\n                    gap += 1\n                if gap == 9:\n                    gap = 9 +", "while gap <= 7 and decision(\"lattice longer\", near, far, gap - 1):\n                    gap += 1\n                if gap == 8:\n                    gap = 8 +"),
     # 5.6 Labels
@@ -57,12 +62,13 @@ MUTANTS = {
     "search: 255": ("label_hubs", "intra", "len(met) < 256", "len(met) < 255"),
     "search: 257": ("label_hubs", "intra", "len(met) < 256", "len(met) < 257"),
     "search: through dummies": ("high_valences", "intra", "if w not in distance and not self.net.dummy[w] and", "if w not in distance and"),
+    "search: dummies beside the 32": ("label_dummies", "intra", "islice(self.net.around(v), 32)]", "islice((g for g in self.net.around(v) if not self.net.dummy[self.net.end(g)]), 32)]"),
     "search: known only": ("combination_rt", "intra", "if w not in distance and not", "if w not in distance and self.known[w] and not"),
     "border test: the other candidate": ("combination_rt", "intra", "self.label[x] != self.label[w] for", "self.label[x] != self.label[w] and self.label[x] in candidates for"),
     "border test: none": ("combination_rt", "intra", "any(self.known[x] and self.label[x] != self.label[w] for x in self.first_ends(w))", "True"),
     "border test: also unknown": ("combination_rt", "intra", "any(self.known[x] and self", "any(self"),
     "samples: any label": ("combination_rt", "intra", "and self.label[w] in candidates", "and True"),
-    "fit: no floor of scale": ("label_tight", "intra", "/ float(len(samples)), 1.0)", "/ float(len(samples)), 1e-9)"),
+    "fit: no floor of scale": ("label_tight", "intra", "/ float(len(D)), 1.0)", "/ float(len(D)), 1e-9)"),
     "fit: regularised also the constant": ("combination_rt", "intra", "        for i in range(3):\n            N[i][i] = N[i][i] + (", "        for i in range(4):\n            N[i][i] = N[i][i] + ("),
     "lean: truncated": ("combination_rt", "intra", "math.floor(3.0 * (N[3][4] / N[3][3]) + 0.5)", "int(3.0 * (N[3][4] / N[3][3]) + 0.5)"),
     "lean: even": ("label_tight", "intra", "math.floor(3.0 * (N[3][4] / N[3][3]) + 0.5)", "round(3.0 * (N[3][4] / N[3][3]))"),
@@ -72,6 +78,9 @@ MUTANTS = {
     "labels: the label coded before is of the queue": ("high_valences", "intra", "            self.coded_before = label\n            v = self.next_vertex()", "            v = self.next_vertex()"),
     "queue: uniform first": ("combination_rt", "intra", "for queue in (self.mixed_queue, self.uniform_queue):", "for queue in (self.uniform_queue, self.mixed_queue):"),
     "votes: each neighbour once": ("waiting", "intra", "for h in self.net.around(v):  # all: the limit of 32 is not one of votes\n            a = self.net.end(h)\n            if not self.known[a]:", "seen = set()\n        for h in self.net.around(v):\n            a = self.net.end(h)\n            if a in seen or seen.add(a) or not self.known[a]:"),
+    # 6.5 Key nodes
+    "node label: of its own vertex": ("node_in_one_place", "kn_decode", "node_labels = [mesh.labels[deformation.nearest_vertex(node, mesh.positions)] for node in nodes]", "node_labels = [mesh.labels[v] for v in (k.vertices if k.node_coding == 0 else [deformation.nearest_vertex(node, mesh.positions) for node in nodes])]"),
+    "node label: by smoothed positions": ("nodes_between_vertices", "kn_decode", "deformation.nearest_vertex(node, mesh.positions)] for", "deformation.nearest_vertex([x << header.fraction_bits for x in node], group.reference)] for"),
     # 7.2 Steps
     "step: rounded up": ("translation_dictionaries", "motion", "return ((4 + s % 4) * 2 ** (s // 4)) // 4", "return -(-((4 + s % 4) * 2 ** (s // 4)) // 4)"),
     # 7.4 Prediction
@@ -154,6 +163,7 @@ MUTANTS = {
     "blend: the weighted sum fused": ("ties_3", "deformation", "total + w_j * (((A_i0 * x_0 + A_i1 * x_1) + A_i2 * x_2) + b_i)", "fma(w_j, ((A_i0 * x_0 + A_i1 * x_1) + A_i2 * x_2) + b_i, total)"),
     "R: fused": ("last_bits", "deformation", "(c_z * s_y) * s_x - s_z * c_x, (c_z * s_y) * c_x + s_z * s_x],\n        [s_z * c_y, (s_z * s_y) * s_x + c_z * c_x, (s_z * s_y) * c_x - c_z * s_x]", "fma(c_z * s_y, s_x, -(s_z * c_x)), fma(c_z * s_y, c_x, s_z * s_x)],\n        [s_z * c_y, fma(s_z * s_y, s_x, c_z * c_x), fma(s_z * s_y, c_x, -(c_z * s_x))]"),
     "blend: weights times A·x and b": ("ties_3", "deformation", "w_j * (((A_i0 * x_0 + A_i1 * x_1) + A_i2 * x_2) + b_i)", "(w_j * ((A_i0 * x_0 + A_i1 * x_1) + A_i2 * x_2) + w_j * b_i)"),
+    "sumner: no floor of d": ("coincident_nodes", "deformation", "math.sqrt(float(max(ranked[Q][0], 1)))", "math.sqrt(float(ranked[Q][0]))"),
     # 8.5 Smoothing
     "smooth: neighbours in the order of meeting": ("last_bits_smoothing", "deformation", "result.append(sorted(met))", "result.append(list(met))"),
     "smooth: falling index": ("last_bits_smoothing", "deformation", "result.append(sorted(met))", "result.append(sorted(met)[::-1])"),
@@ -182,7 +192,6 @@ EQUIVALENT = {
     "labels of twins: all become known, then all are settled": "what settling a twin does to the others is dropped with them",
     "queue: a vertex of more than three triples keeps its place": "its first entry of the third queue is found anyway",
     "stored errors: their mean rounded down": "none is below 0, as 8·(|Nx| + |Ny| + |Nz|) is at least 8 times the root of S",
-    "sumner: no floor of d": "d is 0 only where all distances are, and all weights are equal then",
     "gaussian: 2 × σ × σ in another order": "an integer below 2^42",
     "smooth: h = 1/2 at fraction_bits 0": "half a unit rounds to 0",
     "smooth: round x, then clamp": "x − y is exact, and y is even or h is 0",
@@ -251,7 +260,7 @@ NOT_ALONE = {
     "index.groups.match: group_count <= groups_met": "the whole list is compared at the end",
     # Rules that go with others.
     "descriptor.ue.range: m <= 20": "a value of 21 ones is 2^21 − 1 or more: descriptor.huffman.range",
-    "intra.counts.density: p.vertex_count + p.face_count <= 2048 * size": "a payload that dense has sections that run out: intra.sections.consumed",
+    "intra.counts.density: p.vertex_count + p.face_count <= 2048 * size": "a payload that dense has sections that run out: range.end",
     "intra.join.order: p.join_count <= 3 * p.F": "with 4·F triangles at most, at most 3·F vertices are no dummies, and copies are fewer: the rest of intra.join.order",
     "header.group.range: 1 <= h.max_group_length": "every group has a frame: index.frames.range",
     "file.group.length: self.group.frames < self.header.max_group_length": "the index gives the group's frames: index.frames.range",

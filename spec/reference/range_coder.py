@@ -57,13 +57,13 @@ class Section:
         # r[range.end]: `read` never falls, so that a stream can be refused here and need not be
         # followed behind its end for long.
         require(
-            self.read <= len(self.data) + 8, "intra.sections.consumed", "a section ends too early (range.end)"
+            self.read <= len(self.data) + 8, "range.end", "a section ends too early"
         )
         return int.from_bytes(chunk + bytes(n - len(chunk)), "big")
 
     def finish(self):
-        """r[range.end] r[intra.sections.consumed]"""
-        require(self.read >= len(self.data), "intra.sections.consumed", "a section has bytes left (range.end)")
+        """r[range.end]"""
+        require(self.read >= len(self.data), "range.end", "a section has bytes left")
 
     def renormalise(self):
         """r[range.renormalise]"""

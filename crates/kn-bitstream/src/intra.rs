@@ -23,7 +23,7 @@ pub struct IntraHeader {
     pub isolated_count: u32,
     /// Number of all faces.
     pub face_count: u32,
-    /// Number of faces that repeat a vertex. They are listed as they are.
+    /// Number of faces that are listed as they are, such as those that repeat a vertex.
     pub raw_face_count: u32,
     /// Number of connected components of the conquest.
     pub component_count: u32,

@@ -100,13 +100,13 @@ rules! {
     INTRA_LABELS_PRESENT = "intra.labels.present", "an I-frame must have labels where the sequence has a label set, and none where it has not";
     INTRA_LABELS_RANGE = "intra.labels.range", "every label of an I-frame must be a label of the sequence";
     INTRA_VERTICES_NODES = "intra.vertices.nodes", "an I-frame with key nodes must have at least one vertex";
+    RANGE_END = "range.end", "the decisions of a section must consume it exactly";
     INTRA_RESERVED_ZERO = "intra.reserved.zero", "the reserved bits of an I-frame's mesh must be zero";
     INTRA_HEADER_ATTRIBUTES = "intra.header.attributes", "attribute_count must be 0";
     INTRA_COUNTS_DENSITY = "intra.counts.density", "vertex_count + face_count must be at most 2048 times the bytes of the payload";
     INTRA_VERTICES_COUNT = "intra.vertices.count", "vertex_count must be the number of isolated and coded vertices";
     INTRA_FACES_COUNT = "intra.faces.count", "the connectivity must decode to as many faces as the header announces";
     INTRA_SECTIONS_SIZE = "intra.sections.size", "the sections of an I-frame's payload must fill it exactly";
-    INTRA_SECTIONS_CONSUMED = "intra.sections.consumed", "the decisions of a section must consume it exactly";
     INTRA_CONNECTIVITY_CLOSE = "intra.connectivity.close", "Close must occur only on a loop of three half-edges";
     INTRA_CONNECTIVITY_TIP = "intra.connectivity.tip", "the tip of a triangle must differ from the ends of its gate";
     INTRA_CONNECTIVITY_VALENCE = "intra.connectivity.valence", "every vertex must get exactly as many triangles as its valence says";

@@ -2,4 +2,5 @@
 //! the checkout.
 
 pub mod coverage;
+pub mod examples;
 pub mod rust_tables;

@@ -5,7 +5,7 @@ mod flip;
 mod streams;
 
 use anyhow::{Result, bail};
-use kn_corpus::{coverage, rust_tables};
+use kn_corpus::{coverage, examples, rust_tables};
 use std::path::Path;
 
 const USAGE: &str = "\
@@ -13,6 +13,7 @@ usage: kn-corpus COMMAND
 
   streams                           make spec/conformance anew
   coverage                          write spec/coverage.md
+  examples                          write spec/examples.json
   cauchy [--check|--write|--loss]   print, check or write spec/tables/cauchy_huffman.csv from the
                                     Cauchy density, or print what it costs
   tables                            write the tables of kn-bitstream from spec/tables
@@ -26,6 +27,7 @@ fn main() -> Result<()> {
     match arguments[..] {
         ["streams"] => streams::write(root),
         ["coverage"] => coverage::write(root),
+        ["examples"] => examples::write(root),
         ["cauchy"] => cauchy::run(root, None),
         ["cauchy", option] => cauchy::run(root, Some(option)),
         ["tables"] => rust_tables::write(root),

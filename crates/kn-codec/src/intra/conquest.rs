@@ -121,8 +121,8 @@ impl Conquest {
         (first..first + 3).for_each(|h| self.wait(h));
     }
 
-    /// The half-edge behind which the next triangle lies: one whose end lacks the fewest triangles,
-    /// the last that came to wait; `None` between components.
+    /// The half-edge behind which the next triangle lies: one whose end lacked the fewest triangles
+    /// when it came to wait, the last of these; `None` between components.
     #[inline]
     pub(super) fn gate(&mut self) -> Option<u32> {
         while self.first_waiting < URGENCIES {
@@ -130,13 +130,9 @@ impl Conquest {
                 self.first_waiting += 1;
                 continue;
             };
-            if self.edges[edge as usize].mate != NONE {
-                continue;
-            }
-            if self.urgency(edge) == self.first_waiting {
+            if self.edges[edge as usize].mate == NONE {
                 return Some(edge);
             }
-            self.wait(edge);
         }
         None
     }

@@ -133,7 +133,7 @@ impl IntraDecoder {
                     return Err(rule::INTRA_FACES_COUNT);
                 }
                 if coder.is_exhausted() {
-                    return Err(rule::INTRA_SECTIONS_CONSUMED);
+                    return Err(rule::RANGE_END);
                 }
             }
         }
@@ -241,7 +241,7 @@ impl<'a> Section<'a> {
         let mut coder = RangeDecoder::new(self.bytes);
         let mut decoded = decode(&mut coder);
         if decoded.is_ok() && !coder.is_finished() {
-            decoded = Err(rule::INTRA_SECTIONS_CONSUMED);
+            decoded = Err(rule::RANGE_END);
         }
         decoded.map_err(|rule| IntraError::Malformed { rule, at: self.start + coder.position() })
     }

@@ -61,7 +61,7 @@ impl Traversal {
             let queue = &mut self.queues[rank];
             while let Some(&vertex) = queue.entries.get(queue.taken) {
                 queue.taken += 1;
-                if usize::from(self.known.state[vertex as usize]) == rank {
+                if self.known.state[vertex as usize] < KNOWN {
                     return Some(vertex);
                 }
             }

@@ -127,13 +127,9 @@ impl Conquest {
         loop {
             let stack = self.stacks.iter().position(|stack| !stack.is_empty())?;
             let h = self.stacks[stack].pop()?;
-            if self.mate[h] != NONE {
-                continue;
-            }
-            if self.vertices[self.end(h)].lacking.min(15) == stack as i64 {
+            if self.mate[h] == NONE {
                 return Some(h);
             }
-            self.wait(h);
         }
     }
 

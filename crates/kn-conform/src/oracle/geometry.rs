@@ -137,7 +137,7 @@ impl Geometry<'_, '_> {
     fn next_vertex(&mut self) -> Option<usize> {
         for queue in (0..4).rev() {
             while let Some(vertex) = self.queues[queue].pop_front() {
-                if self.is_open(vertex) && self.states[vertex].support.min(3) == queue {
+                if self.is_open(vertex) {
                     return Some(vertex);
                 }
             }

@@ -3,7 +3,7 @@
 use kn_bitstream::rule::{self, Rule};
 
 /// The rule of a section that is not consumed exactly.
-pub(super) const CONSUMED: Rule = rule::INTRA_SECTIONS_CONSUMED;
+pub(super) const CONSUMED: Rule = rule::RANGE_END;
 
 /// r[range.model]
 #[derive(Clone, Copy, Debug)]

@@ -89,7 +89,7 @@ fn headers(plain: &[u8]) -> Vec<Draft> {
 }
 
 fn sections(plain: &[u8]) -> Result<Vec<Draft>> {
-    let consumed = "intra.sections.consumed";
+    let consumed = "range.end";
     let size = "intra.sections.size";
     let in_origin = "is_zero=1 ".repeat(3);
     let faces = |corner: u32| section(&format!("16:0 16:0 16:0 16:0 16:0 16:{corner}"));

@@ -20,6 +20,7 @@ mod uncommon_last_bits;
 mod uncommon_meshes;
 mod uncommon_motion;
 mod uncommon_paths;
+mod uncommon_readings;
 mod uncommon_smoothing;
 
 use std::path::Path;
@@ -72,6 +73,7 @@ fn uncommon_drafts() -> Result<Vec<Draft>> {
         uncommon_meshes::drafts()?,
         uncommon_motion::drafts()?,
         uncommon_paths::drafts()?,
+        uncommon_readings::drafts()?,
         uncommon_smoothing::drafts()?,
     ];
     Ok(lists.concat())

@@ -127,7 +127,7 @@ impl Scene {
         )
     }
 
-    fn draft(
+    pub(crate) fn draft(
         &self,
         name: &str,
         danger: &str,
