@@ -29,7 +29,7 @@ pub type File = (String, Vec<u8>);
 pub fn files(format: &str, seed: u64) -> Vec<File> {
     let mut random = Random::new(format, seed);
     let mut shape = Shape::any(&mut random);
-    if random.chance(2) {
+    if random.chance(3) {
         shape.spoil(&mut random);
     }
     let (mut bytes, beside) = match format {
@@ -41,7 +41,7 @@ pub fn files(format: &str, seed: u64) -> Vec<File> {
         "gltf" => (gltf::write_text(&shape, &mut random), vec![]),
         _ => panic!("no format is called {format}"),
     };
-    if random.chance(3) {
+    if random.chance(4) {
         damage::apply(&mut bytes, &mut random);
     }
     let mut files = vec![(format!("mesh.{format}"), bytes)];
