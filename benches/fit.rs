@@ -14,7 +14,7 @@ use std::hint::black_box;
 fn fit(criterion: &mut Criterion) {
     let performer = Performer::new(PerformerConfig::default()).expect("the defaults are in range");
     let (source, target) = (performer.frame(0), performer.frame(1));
-    let (positions, to) = (source.positions_f64(), target.positions_f64());
+    let (positions, to) = (source.positions, target.positions);
     let chosen = place_farthest(&positions, &source.faces, None, None, 150).expect("a figure");
     let grid: Vec<[i32; 3]> =
         positions.iter().map(|p| p.map(|c| (1000.0 * c).round() as i32)).collect();

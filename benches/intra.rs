@@ -37,7 +37,7 @@ fn triples(text: &str, word: &str) -> Vec<[f64; 3]> {
 
 fn read_mesh(path: &Path) -> Mesh {
     let text = std::fs::read_to_string(path).expect("a readable scan");
-    let positions = triples(&text, "v").into_iter().map(|v| v.map(|x| x as f32)).collect();
+    let positions = triples(&text, "v");
     let faces = triples(&text, "f").into_iter().map(|f| f.map(|i| i as u32 - 1)).collect();
     Mesh::new(positions, faces)
 }

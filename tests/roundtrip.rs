@@ -115,7 +115,7 @@ fn an_intra_frame_is_the_scan_on_the_grid() {
         for axis in 0..3 {
             assert_eq!(f64::from(integer[axis]) % unit, 0.0);
             let expected = origin[axis] + step * f64::from(integer[axis]) / unit;
-            assert_eq!(world[axis], expected as f32);
+            assert_eq!(world[axis], expected);
         }
     }
 }
@@ -141,9 +141,9 @@ fn smoothing_stays_inside_the_grid_s_uncertainty() {
     assert_ne!(decoded(SmoothingChoice::Auto)[0].positions, *plain, "8 bits are coarse");
 }
 
-fn on_grid(position: [f32; 3], scan: &Mesh, step: f64) -> [i32; 3] {
+fn on_grid(position: [f64; 3], scan: &Mesh, step: f64) -> [i32; 3] {
     let origin = scan.bounding_box().expect("vertices").min;
-    std::array::from_fn(|axis| ((f64::from(position[axis]) - origin[axis]) / step).round() as i32)
+    std::array::from_fn(|axis| ((position[axis] - origin[axis]) / step).round() as i32)
 }
 
 #[test]

@@ -44,7 +44,7 @@ impl Frame {
         let count = vertices.len().max(1) as u32;
         let corner = |&corner: &u8| u32::from(corner) % count;
         let faces = self.faces.iter().take(64).filter(|_| !vertices.is_empty());
-        let positions = vertices.iter().map(|(p, _)| p.map(|c| f32::from(c) / 16.0)).collect();
+        let positions = vertices.iter().map(|(p, _)| p.map(|c| f64::from(c) / 16.0)).collect();
         let labels = vertices.iter().filter(|_| labelled).map(|(_, label)| label % 15).collect();
         Mesh::new(positions, faces.map(|face| face.each_ref().map(corner)).collect()).with_labels(labels)
     }

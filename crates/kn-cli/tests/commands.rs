@@ -55,8 +55,7 @@ fn scans_come_back_within_half_a_step_and_under_their_names() {
         let decoded = read_mesh(&out, &Default::default()).expect("a mesh").mesh;
         assert_eq!(decoded.faces.len(), scan.faces.len());
         for vertex in &decoded.positions {
-            let near =
-                |p: &[f32; 3]| (0..3).all(|i| f64::from(p[i] - vertex[i]).abs() <= 0.5001 * step);
+            let near = |p: &[f64; 3]| (0..3).all(|i| (p[i] - vertex[i]).abs() <= 0.5001 * step);
             assert!(scan.positions.iter().any(near), "frame {frame}: {vertex:?}");
         }
     }

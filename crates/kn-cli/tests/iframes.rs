@@ -28,7 +28,7 @@ fn face_counts(scans: &Scans) -> Vec<u64> {
     frames.iter().map(|frame| frame["faces"].as_u64().expect("a number")).collect()
 }
 
-fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f64 {
+fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum()
 }
 
@@ -55,7 +55,7 @@ fn lossless_gives_every_coordinate_back() {
         assert_eq!(map.len(), scan.positions.len());
         for (position, target) in scan.positions.iter().zip(map) {
             let target = target.expect("nothing is decimated");
-            let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
+            let bits = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
             assert_eq!(bits(decoded.positions[target]), bits(*position), "{name}");
         }
         assert_eq!(decoded.faces.len(), scan.faces.len());
@@ -71,7 +71,7 @@ fn lossless_refuses_what_lies_on_no_grid() {
             *x = (*x * 1e3).round() / 1e3;
         }
         if index == 2 {
-            scan.positions[5][1] = std::f32::consts::PI * 1e-7;
+            scan.positions[5][1] = std::f64::consts::PI * 1e-7;
         }
         write_mesh(&scans.file(index), &scan).expect("written");
     }

@@ -104,7 +104,7 @@ fn a_second_body_is_told_and_registration_goes_on() {
     let scans = Scans::new();
     let mut target = read(&scans.file(3));
     let count = target.positions.len() as u32;
-    let apart: Vec<[f32; 3]> = target.positions.iter().map(|&[x, y, z]| [x + 2.0, y, z]).collect();
+    let apart: Vec<[f64; 3]> = target.positions.iter().map(|&[x, y, z]| [x + 2.0, y, z]).collect();
     target.positions.extend(apart);
     let faces = target.faces.clone();
     target.faces.extend(faces.iter().map(|face| face.map(|vertex| vertex + count)));

@@ -52,7 +52,7 @@ fn begins_anew_at_the_change(frames: &[Mesh], reason: &[&str]) {
 }
 
 /// Moves a part; faces between it and the rest are dropped.
-fn move_part(mesh: &mut Mesh, part: &[u8], way: [f32; 3]) {
+fn move_part(mesh: &mut Mesh, part: &[u8], way: [f64; 3]) {
     let inside = |labels: &[u8], v: u32| part.contains(&labels[v as usize]);
     let labels = &mesh.labels;
     mesh.faces.retain(|face| {
@@ -101,7 +101,7 @@ fn a_ball_let_go() {
     let mut frames = performer(true);
     let ball = [part::OTHER];
     for (number, mesh) in frames[CHANGE..].iter_mut().enumerate() {
-        move_part(mesh, &ball, [0.0, -0.1 - 0.02 * number as f32, 0.12]);
+        move_part(mesh, &ball, [0.0, -0.1 - 0.02 * number as f64, 0.12]);
     }
     begins_anew_at_the_change(&frames, &["comes apart", "of the reference", "of the frame"]);
 }
@@ -112,7 +112,7 @@ fn an_island_that_appears() {
     for mesh in &mut frames[CHANGE..] {
         // A second head, half a metre beside the first.
         let first = mesh.positions.len() as u32;
-        let apart: Vec<[f32; 3]> =
+        let apart: Vec<[f64; 3]> =
             mesh.positions.iter().map(|p| [p[0] + 0.7, p[1], p[2]]).collect();
         let head = |face: &&[u32; 3]| face.iter().all(|&v| mesh.labels[v as usize] == part::HEAD);
         let faces: Vec<[u32; 3]> =

@@ -5,7 +5,7 @@ use kn_codec::{Decimation, Decoder, EncodeError, Encoder, EncoderConfig, FrameRe
 use kn_mesh::{ExactGrid, Mesh};
 use kn_performer::{Performer, PerformerConfig};
 
-fn frames(count: u32, scale: f32) -> Vec<Mesh> {
+fn frames(count: u32, scale: f64) -> Vec<Mesh> {
     let config = PerformerConfig { vertices: 2000, ..PerformerConfig::default() };
     let performer = Performer::new(config).expect("sound settings");
     let mut frames: Vec<_> = (0..count).map(|index| performer.frame(index)).collect();
@@ -56,7 +56,7 @@ fn integers_come_back_to_the_last_bit() {
         let map = report.intra().and_then(|intra| intra.vertex_map.clone()).expect("asked for");
         assert_eq!(map.len(), mesh.positions.len());
         for (position, &target) in mesh.positions.iter().zip(&map) {
-            let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
+            let bits = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
             assert_eq!(bits(decoded.positions[target as usize]), bits(*position));
         }
     }
@@ -95,7 +95,7 @@ fn p_frames_deform_a_decimated_i_frame() {
     let step = 1.5 * diagonal / 2047.0;
     for (position, &target) in frames[0].positions.iter().zip(map).filter(|(_, t)| **t != DROPPED) {
         let found = decoded[0].positions[target as usize];
-        assert!((0..3).all(|k| f64::from((found[k] - position[k]).abs()) < step));
+        assert!((0..3).all(|k| (found[k] - position[k]).abs() < step));
     }
     assert_eq!(map.iter().filter(|&&t| t != DROPPED).count(), intra.frame.vertices as usize);
 }

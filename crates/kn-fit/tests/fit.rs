@@ -51,7 +51,7 @@ impl Scene {
     fn new(seed: u64, vertices: usize, nodes: usize, frames: [u32; 2]) -> Self {
         let performer = performer(seed, vertices, Action::Dance);
         let (source, target) = (performer.frame(frames[0]), performer.frame(frames[1]));
-        let positions = source.positions_f64();
+        let positions = source.positions.clone();
         let chosen =
             place_farthest(&positions, &source.faces, None, None, nodes).expect("a figure");
         Self {
@@ -60,7 +60,7 @@ impl Scene {
             affine: (0..chosen.len()).map(|node| node % 2 == 0).collect(),
             positions,
             faces: source.faces,
-            target: FitTarget::new(&target.positions_f64(), &target.faces).expect("a figure"),
+            target: FitTarget::new(&target.positions, &target.faces).expect("a figure"),
         }
     }
 
@@ -115,14 +115,9 @@ fn large_motion_loses_no_limb() {
         let (source, target) = (performer.frame(0), performer.frame(1));
         let truth = performer.transport(&source, 0, 1);
         let options = RegisterOptions { nodes: 150, ..RegisterOptions::default() };
-        let result = register(
-            &source.positions_f64(),
-            &source.faces,
-            &target.positions_f64(),
-            &target.faces,
-            &options,
-        )
-        .expect("two figures");
+        let result =
+            register(&source.positions, &source.faces, &target.positions, &target.faces, &options)
+                .expect("two figures");
         let mut by_part = [(0.0, 0usize); 256];
         for (vertex, truth) in truth.iter().enumerate() {
             let part = &mut by_part[usize::from(source.labels[vertex])];
@@ -186,7 +181,7 @@ fn a_lost_limb_is_reported() {
     let arm = |label: u8| (2..=3).contains(&label);
     let keep = |face: &&[u32; 3]| !face.iter().any(|&v| arm(frame.labels[v as usize]));
     let faces: Faces = frame.faces.iter().filter(keep).copied().collect();
-    scene.target = FitTarget::new(&frame.positions_f64(), &faces).expect("a figure");
+    scene.target = FitTarget::new(&frame.positions, &faces).expect("a figure");
     let source = scene.source();
     let mut fitter = Fitter::new(&source).expect("consistent");
     let fit = fitter.fit_frame(&source, &scene.target, &measured()).expect("a fit");
@@ -282,9 +277,9 @@ fn dirty_scans_are_followed() {
     for frame in [0, 7, 15] {
         let (source, target) = (read(frame), read(frame + 1));
         let result = register(
-            &source.positions_f64(),
+            &source.positions,
             &source.faces,
-            &target.positions_f64(),
+            &target.positions,
             &target.faces,
             &RegisterOptions::default(),
         )

@@ -26,8 +26,8 @@ impl Dice {
     }
 
     /// −1 to 1.
-    fn signed(&mut self) -> f32 {
-        self.roll(2001) as f32 / 1000.0 - 1.0
+    fn signed(&mut self) -> f64 {
+        self.roll(2001) as f64 / 1000.0 - 1.0
     }
 }
 
@@ -93,7 +93,7 @@ fn every_pair_is_registered() {
         let target = dirty(&performer, 1 + dice.roll(5) as u32, &mut dice);
         let nodes = 1 + dice.roll(150) as usize;
         let options = RegisterOptions { nodes, fit: FitOptions::default() };
-        let (from, to) = (source.positions_f64(), target.positions_f64());
+        let (from, to) = (source.positions, target.positions);
         let result = register(&from, &source.faces, &to, &target.faces, &options)
             .unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         assert_eq!(result.positions.len(), from.len());

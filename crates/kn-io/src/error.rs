@@ -49,8 +49,8 @@ pub enum MeshErrorKind {
     /// The file ends before its content does.
     #[error("the file ends early: {0}")]
     Truncated(String),
-    /// A coordinate is NaN, infinite or beyond the range of numbers.
-    #[error("a coordinate is NaN or infinite")]
+    /// A coordinate is NaN, infinite, or beyond [`kn_mesh::MAX_COORDINATE`].
+    #[error("a coordinate is NaN or infinite, or beyond 1e38")]
     NotFinite,
     /// A face names a vertex that does not exist. `index` is as written in the file.
     #[error("face index {index} is out of range: there are {vertices} vertices")]

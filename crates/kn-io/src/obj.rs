@@ -7,7 +7,7 @@ use super::materials::note_materials;
 use super::parsed::Parsed;
 use super::text::{Lines, goes_on, number, shown, words};
 use super::{Fault, MeshErrorKind, Place};
-use kn_mesh::Mesh;
+use kn_mesh::{Mesh, Precision};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::Path;
@@ -206,10 +206,20 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// Writes positions and faces as OBJ. Numbers are the shortest that read back to the same bits.
-pub(super) fn write_obj(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "v {x} {y} {z}")?;
+/// Writes positions and faces as OBJ. Numbers are the shortest that read back to the same bits of
+/// that precision.
+pub(super) fn write_obj(mesh: &Mesh, precision: Precision, out: &mut dyn Write) -> io::Result<()> {
+    for position in &mesh.positions {
+        match precision {
+            Precision::Single => {
+                let [x, y, z] = position.map(|coordinate| coordinate as f32);
+                writeln!(out, "v {x} {y} {z}")?;
+            }
+            Precision::Double => {
+                let [x, y, z] = position;
+                writeln!(out, "v {x} {y} {z}")?;
+            }
+        }
     }
     for face in &mesh.faces {
         let [a, b, c] = face.map(|vertex| u64::from(vertex) + 1);

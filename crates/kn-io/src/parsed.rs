@@ -3,7 +3,7 @@
 
 use super::polygons::Polygons;
 use super::{MeshError, MeshErrorKind, Place, ReadNotes, ReadOptions, Scan, labels};
-use kn_mesh::{Mesh, MeshFault};
+use kn_mesh::{MAX_COORDINATE, Mesh, MeshFault};
 use std::path::Path;
 
 /// A mesh without labels, and the sources of labels.
@@ -12,7 +12,7 @@ pub(super) struct Parsed {
     /// The vertices and the triangles; `polygons` has the other faces.
     pub(super) mesh: Mesh,
     pub(super) polygons: Polygons,
-    /// Vertices with a coordinate that is NaN or infinite, and where they are in the file.
+    /// Vertices with a coordinate that is none ([`MAX_COORDINATE`]), and where they are in the file.
     pub(super) not_finite: Vec<(u32, Place)>,
     /// `#V` values of a vertex property `label`, or empty.
     pub(super) labels: Vec<i64>,
@@ -24,8 +24,7 @@ pub(super) struct Parsed {
 impl Parsed {
     /// Adds a vertex. It may be NaN, if no face uses it.
     pub(super) fn push_vertex(&mut self, position: [f64; 3], place: Place) {
-        let position = position.map(|coordinate| coordinate as f32);
-        if !position.iter().all(|coordinate| coordinate.is_finite()) {
+        if !position.iter().all(|coordinate| coordinate.abs() <= MAX_COORDINATE) {
             self.not_finite.push((self.mesh.positions.len() as u32, place));
         }
         self.mesh.positions.push(position);

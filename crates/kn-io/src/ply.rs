@@ -8,7 +8,7 @@ use super::parsed::Parsed;
 use super::ply_header::{Element, Kind, Property, Scalar, read_header};
 use super::ply_values::Values;
 use super::{Fault, Place};
-use kn_mesh::Mesh;
+use kn_mesh::{Mesh, Precision};
 use std::io::{self, Write};
 
 /// Reads a PLY file's bytes: ascii, binary little-endian or binary big-endian.
@@ -288,16 +288,21 @@ fn group_of(element: &str, property: &str) -> String {
     }
 }
 
-/// Writes binary little-endian PLY: positions, labels where the mesh has them, and one scalar per
+/// Writes binary little-endian PLY: positions as floats or doubles, labels where the mesh has them, and one scalar per
 /// vertex (`#V`), for instance an error, under the given name.
 pub(super) fn write_ply(
     mesh: &Mesh,
+    precision: Precision,
     scalar: Option<(&str, &[f32])>,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     writeln!(out, "element vertex {}", mesh.positions.len())?;
-    writeln!(out, "property float x\nproperty float y\nproperty float z")?;
+    let real = match precision {
+        Precision::Single => "float",
+        Precision::Double => "double",
+    };
+    writeln!(out, "property {real} x\nproperty {real} y\nproperty {real} z")?;
     if !mesh.labels.is_empty() {
         writeln!(out, "property uchar label")?;
     }
@@ -308,7 +313,10 @@ pub(super) fn write_ply(
     writeln!(out, "property list uchar int vertex_indices\nend_header")?;
     for (vertex, position) in mesh.positions.iter().enumerate() {
         for coordinate in position {
-            out.write_all(&coordinate.to_le_bytes())?;
+            match precision {
+                Precision::Single => out.write_all(&(*coordinate as f32).to_le_bytes())?,
+                Precision::Double => out.write_all(&coordinate.to_le_bytes())?,
+            }
         }
         if let Some(label) = mesh.labels.get(vertex) {
             out.write_all(&[*label])?;

@@ -89,7 +89,7 @@ const CLEARLY_BETTER: f64 = 4.0;
 
 impl Cutter {
     /// Appends the triangles of a polygon.
-    fn cut(&mut self, corners: &[u32], positions: &[[f32; 3]], faces: &mut Vec<[u32; 3]>) {
+    fn cut(&mut self, corners: &[u32], positions: &[[f64; 3]], faces: &mut Vec<[u32; 3]>) {
         self.ring.clear();
         self.ring.extend_from_slice(corners);
         self.ring.dedup();
@@ -108,7 +108,7 @@ impl Cutter {
         }
     }
 
-    fn way(&mut self, positions: &[[f32; 3]]) -> Way {
+    fn way(&mut self, positions: &[[f64; 3]]) -> Way {
         let Some(normal) = self.normal(positions) else { return Way::Fan(0) };
         if self.ring.len() == 4 {
             return Way::Fan(self.first_of_quad(normal));
@@ -120,8 +120,8 @@ impl Cutter {
 
     /// Sets `points`. Returns the unit normal of the plane that fits the ring best (M. E. Newell):
     /// the sum of the cross products of neighbouring corners. `None` where the ring has no area.
-    fn normal(&mut self, positions: &[[f32; 3]]) -> Option<[f64; 3]> {
-        let at = |vertex: &u32| positions[*vertex as usize].map(f64::from);
+    fn normal(&mut self, positions: &[[f64; 3]]) -> Option<[f64; 3]> {
+        let at = |vertex: &u32| positions[*vertex as usize];
         let first = at(&self.ring[0]);
         self.points.clear();
         self.points.extend(self.ring.iter().map(|vertex| sub(at(vertex), first)));

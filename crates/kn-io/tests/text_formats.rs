@@ -3,9 +3,9 @@
 
 use kn_io::{
     LabelSource, MAX_FILE_BYTES, MeshError, MeshErrorKind, Place, ReadOptions, Scan, read_mesh,
-    write_mesh, write_mesh_with_scalar,
+    write_mesh, write_mesh_in, write_mesh_with_scalar,
 };
-use kn_mesh::Mesh;
+use kn_mesh::{Mesh, Precision};
 use proptest::prelude::*;
 use std::path::PathBuf;
 use tempfile::TempDir;
@@ -105,7 +105,10 @@ fn broken_obj_files_name_the_line_and_the_reason() {
     for corner in ["1/x", "x//", "/1", "1.0", "99999999999999999999"] {
         assert!(with(&format!("f 1 2 {corner}\n")).contains("is not a face corner"), "{corner}");
     }
-    assert_eq!(with("v 0 nan 0\n"), "a.obj, line 4: a coordinate is NaN or infinite");
+    assert_eq!(
+        with("v 0 nan 0\n"),
+        "a.obj, line 4: a coordinate is NaN or infinite, or beyond 1e38"
+    );
     assert!(with("v 0 -inf 0\n").contains("NaN or infinite"));
     assert!(with("v 0 1e999 0\nf 1 2 4\n").contains("line 4: a coordinate is NaN or infinite"));
     assert!(with("v 0 0\n").contains("line 4: a vertex has 3 coordinates, not 2"));
@@ -239,7 +242,7 @@ fn another_reader_sees_what_was_written() {
     let bytes = std::fs::read(&path).expect("there");
     let ply = Parser::<DefaultElement>::new().read_ply(&mut &bytes[..]).expect("readable");
     for (vertex, element) in ply.payload["vertex"].iter().enumerate() {
-        let [x, y, z] = mesh.positions[vertex].map(Property::Float);
+        let [x, y, z] = mesh.positions[vertex].map(|x| Property::Float(x as f32));
         assert_eq!([&element["x"], &element["y"], &element["z"]], [&x, &y, &z]);
         assert_eq!(element["label"], Property::UChar(mesh.labels[vertex]));
     }
@@ -284,7 +287,7 @@ fn big_endian_and_little_endian_agree() {
     let little = read_with("a.ply", &little, &ReadOptions::default()).expect("readable");
     let big = read_with("a.ply", &big, &ReadOptions::default()).expect("readable");
     assert_eq!(little, big);
-    assert_eq!(little.mesh.positions[0], [0.5, -3.0, 0.1]);
+    assert_eq!(little.mesh.positions[0], [0.5, -3.0, f64::from(0.1f32)]);
     assert_eq!(little.mesh.faces, [[2, 0, 1]]);
 }
 
@@ -303,7 +306,8 @@ fn off_reads_with_comments_and_colours() {
 }
 
 fn sample() -> Mesh {
-    let positions = vec![[0.1, -0.0, 1e-40], [3e38, 1.0 / 3.0, -2.5], [1.0; 3], [7.0; 3]];
+    let positions = [[0.1f32, -0.0, 1e-40], [3e37, 1.0 / 3.0, -2.5], [1.0; 3], [7.0; 3]];
+    let positions = positions.map(|p| p.map(f64::from)).to_vec();
     Mesh::new(positions, vec![[2, 1, 0], [3, 1, 0]]).with_labels(vec![0, 14, 7, 7])
 }
 
@@ -345,7 +349,8 @@ fn scalars_are_written_for_ply_only_and_only_if_they_fit() {
 }
 
 fn meshes() -> impl Strategy<Value = Mesh> {
-    let coordinate = prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL | prop::num::f32::ZERO;
+    let number = prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
+    let coordinate = number.prop_map(|x| x % kn_mesh::MAX_COORDINATE);
     let positions = prop::collection::vec(prop::array::uniform3(coordinate), 1..40);
     (positions, prop::collection::vec([0u32..1000, 0..1000, 0..1000], 1..60), any::<bool>())
         .prop_map(|(positions, faces, labelled)| {
@@ -357,8 +362,17 @@ fn meshes() -> impl Strategy<Value = Mesh> {
         })
 }
 
-fn bits(mesh: &Mesh) -> Vec<[u32; 3]> {
-    mesh.positions.iter().map(|p| p.map(f32::to_bits)).collect()
+fn bits(mesh: &Mesh) -> Vec<[u64; 3]> {
+    mesh.positions.iter().map(|p| p.map(f64::to_bits)).collect()
+}
+
+/// What is left of a mesh in a precision.
+fn rounded(mesh: &Mesh, precision: Precision) -> Mesh {
+    let rounded = |x: f64| match precision {
+        Precision::Single => f64::from(x as f32),
+        Precision::Double => x,
+    };
+    mesh.with_positions(mesh.positions.iter().map(|p| p.map(rounded)).collect())
 }
 
 proptest! {
@@ -367,11 +381,13 @@ proptest! {
     #[test]
     fn files_read_back_to_the_same_bits(mesh in meshes()) {
         let folder = folder();
-        for name in ["a.obj", "a.ply"] {
+        let precisions = [Precision::Single, Precision::Double];
+        for (name, precision) in ["a.obj", "a.ply"].into_iter().flat_map(|n| precisions.map(|p| (n, p))) {
             let path = folder.path().join(name);
-            write_mesh(&path, &mesh).expect("written");
+            write_mesh_in(&path, &mesh, precision).expect("written");
             let scan = read_mesh(&path, &ReadOptions::default()).expect("readable");
-            prop_assert_eq!(bits(&scan.mesh), bits(&mesh));
+            // Decimals of a binary32 number are read back in binary64, beside that number.
+            prop_assert_eq!(bits(&rounded(&scan.mesh, precision)), bits(&rounded(&mesh, precision)));
             prop_assert_eq!(&scan.mesh.faces, &mesh.faces);
             if name == "a.ply" {
                 prop_assert_eq!(&scan.mesh.labels, &mesh.labels);

@@ -11,12 +11,10 @@ pub struct BoundingBox {
 
 impl BoundingBox {
     /// The box of `positions` (`#V × 3`); `None` where there are none.
-    pub fn of(positions: &[[f32; 3]]) -> Option<Self> {
-        let first = positions.first()?.map(f64::from);
+    pub fn of(positions: &[[f64; 3]]) -> Option<Self> {
+        let &first = positions.first()?;
         let mut bounds = Self { min: first, max: first };
-        for position in positions {
-            bounds.include(position.map(f64::from));
-        }
+        positions.iter().for_each(|&position| bounds.include(position));
         Some(bounds)
     }
 
@@ -33,6 +31,11 @@ impl BoundingBox {
         self.include(other.min);
         self.include(other.max);
         self
+    }
+
+    /// The point in the middle.
+    pub fn middle(&self) -> [f64; 3] {
+        std::array::from_fn(|axis| self.min[axis] + (self.max[axis] - self.min[axis]) / 2.0)
     }
 
     /// The longest side.

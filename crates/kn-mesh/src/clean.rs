@@ -256,7 +256,7 @@ mod tests {
         ) {
             let count = corners.len();
             let input = Mesh::new(
-                corners.iter().map(|p| p.map(f32::from)).collect(),
+                corners.iter().map(|p| p.map(f64::from)).collect(),
                 faces.iter().map(|f| f.map(|v| (v % count) as u32)).collect(),
             );
             let cleaned = clean(&input).expect("valid");
@@ -281,7 +281,7 @@ mod tests {
             prop_assert_eq!(kept, surface);
 
             // Without isolated vertices it is the same surface.
-            let corners = |mesh: &Mesh| -> Vec<[f32; 3]> {
+            let corners = |mesh: &Mesh| -> Vec<[f64; 3]> {
                 mesh.faces.iter().flatten().map(|&v| mesh.positions[v as usize]).collect()
             };
             let dropped = cleaned.clone().drop_isolated();

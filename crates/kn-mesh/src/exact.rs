@@ -1,13 +1,17 @@
 //! Search for the grid that coordinates lie on already: integers, fixed fractions, decimals.
 
-use crate::{BoundingBox, Grid};
+use crate::{BoundingBox, Grid, Precision};
 
 /// Looks for the coarsest grid that gives every coordinate of a sequence back to the last bit (but
 /// the sign of a zero). Steps tried: 1, its halves down to 2^-20 and its tenths down to 10^-7.
+///
+/// A coordinate that is a binary32 number may also be what a decimal rounds to in binary32, as in a
+/// file of such numbers: the grid then has the decimal. That is for coordinates near the origin
+/// alone. Further out, decimals are too close to each other for binary32.
 #[derive(Clone, Debug)]
 pub struct ExactGrid {
     /// Steps that hold for all positions so far, the largest first.
-    steps: Vec<f64>,
+    steps: Vec<Step>,
     bounds: Option<BoundingBox>,
     frames: usize,
     /// The last coordinate that ruled out the largest step so far.
@@ -22,7 +26,15 @@ pub struct Coordinate {
     /// Index of the vertex.
     pub vertex: usize,
     /// The coordinate in world units.
-    pub value: f32,
+    pub value: f64,
+}
+
+/// A step, 1/`points`.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    points: f64,
+    /// Whether all positions so far are multiples of it in binary64, not only in binary32.
+    double: bool,
 }
 
 /// The reason why coordinates cannot be coded without loss.
@@ -60,7 +72,7 @@ impl std::fmt::Display for ExactGridError {
                 write!(
                     f,
                     "the coordinates are multiples of {step}, but their box is {steps} steps long: \
-                     more than 20 bits"
+                     too large for 20 bits"
                 )
             }
         }
@@ -82,21 +94,29 @@ impl std::error::Error for ExactGridError {}
 
 impl Default for ExactGrid {
     fn default() -> Self {
-        let halves = (1..=20).map(|n| 1.0 / f64::from(1 << n));
-        // Written out: a power of 0.1 is not the number nearest to the decimal.
-        let tenths = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-        let mut steps: Vec<f64> = std::iter::once(1.0).chain(halves).chain(tenths).collect();
-        steps.sort_by(|a, b| b.total_cmp(a));
+        let halves = (1..=20).map(|n| f64::from(1 << n));
+        let tenths = (1..=7).map(|n| f64::from(10_i32.pow(n)));
+        let mut points: Vec<f64> = std::iter::once(1.0).chain(halves).chain(tenths).collect();
+        points.sort_by(f64::total_cmp);
+        let steps = points.into_iter().map(|points| Step { points, double: true }).collect();
         Self { steps, bounds: None, frames: 0, finest: None }
     }
 }
 
 impl ExactGrid {
     /// Takes a frame's positions (`#V × 3`) into account.
-    pub fn include(&mut self, positions: &[[f32; 3]]) {
+    pub fn include(&mut self, positions: &[[f64; 3]]) {
         let coordinates = positions.as_flattened();
-        let misfit = |&step: &f64| coordinates.iter().position(|&x| !is_multiple(x, step));
-        let misfits: Vec<Option<usize>> = self.steps.iter().map(misfit).collect();
+        let misfit = |step: &mut Step| {
+            coordinates.iter().position(|&x| match step.fit(x) {
+                Some(precision) => {
+                    step.double &= precision == Precision::Double;
+                    false
+                }
+                None => true,
+            })
+        };
+        let misfits: Vec<Option<usize>> = self.steps.iter_mut().map(misfit).collect();
         // The steps before the first that is left are ruled out; the last to go shows why.
         let ruled_out = misfits.iter().map_while(|misfit| *misfit).max();
         if let Some(at) = ruled_out {
@@ -118,27 +138,39 @@ impl ExactGrid {
     /// No step holds for all coordinates, or the largest such step needs more than 20 bits.
     pub fn grid(&self) -> Result<Grid, ExactGridError> {
         let bounds = self.bounds.ok_or(ExactGridError::Empty)?;
-        let Some(&step) = self.steps.first() else {
+        let near = |points: f64| {
+            bounds.min.iter().chain(&bounds.max).all(|x| x.abs() * points <= f64::from(Grid::LIMIT))
+        };
+        let holds = |step: &&Step| step.double || near(step.points);
+        let Some(&Step { points, .. }) = self.steps.iter().find(holds) else {
             return Err(self.finest.map_or(ExactGridError::Empty, ExactGridError::NoStep));
         };
-        let steps = (bounds.longest_side() / step).round();
+        let step = 1.0 / points;
+        let steps = (bounds.longest_side() * points).round();
         if steps >= f64::from(Grid::LIMIT) {
             return Err(ExactGridError::TooWide { step, steps, because: self.finest });
         }
-        Ok(Grid { origin: bounds.min.map(|x| (x / step).round() * step), step })
+        Ok(Grid { origin: bounds.min.map(|x| (x * points).round() / points), step })
     }
 }
 
-/// Whether `x` is what the nearest multiple of `step` rounds to.
-fn is_multiple(x: f32, step: f64) -> bool {
-    ((f64::from(x) / step).round() * step) as f32 == x
+impl Step {
+    /// The precision in which `x` is a multiple of the step; `None` where it is none.
+    fn fit(&self, x: f64) -> Option<Precision> {
+        let multiple = (x * self.points).round() / self.points;
+        let single = || f64::from(multiple as f32) == x;
+        match multiple == x {
+            true => Some(Precision::Double),
+            false => single().then_some(Precision::Single),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn grid(positions: &[[f32; 3]]) -> Result<Grid, ExactGridError> {
+    fn grid(positions: &[[f64; 3]]) -> Result<Grid, ExactGridError> {
         let mut search = ExactGrid::default();
         search.include(positions);
         search.grid()
@@ -146,15 +178,32 @@ mod tests {
 
     #[test]
     fn the_coarsest_grid_is_found_and_gives_everything_back() {
-        for (scale, step) in [(1.0, 1.0), (0.125, 0.125), (1e-3, 1e-3), (0.05, 1e-2)] {
-            let place = |i: i32| (f64::from(i * 7919 % 40_001 - 20_000) * scale) as f32;
-            let positions: Vec<_> =
-                (0..500).map(|i| [place(i), place(i + 1), place(3 * i)]).collect();
-            let grid = grid(&positions).expect("on a grid");
-            assert_eq!(grid.step, step);
-            let integers = grid.quantise(&positions).expect("inside");
-            assert!(integers.iter().zip(&positions).all(|(&q, &p)| grid.dequantise(q) == p));
+        for (points, step) in [(1.0, 1.0), (8.0, 0.125), (1e3, 1e-3), (20.0, 1e-2)] {
+            for far in [0.0, 691_234.0, -5_334_567.0] {
+                let place = |i: i32| far + f64::from(i * 7919 % 40_001 - 20_000) / points;
+                let decimal = |x: f64| format!("{x:.6}").parse::<f64>().expect("a number");
+                let positions: Vec<_> =
+                    (0..500).map(|i| [i, i + 1, 3 * i].map(place).map(decimal)).collect();
+                let grid = grid(&positions).expect("on a grid");
+                assert_eq!(grid.step, step);
+                let (integers, world) =
+                    (grid.quantise(&positions).expect("inside"), grid.to_world());
+                assert!(integers.iter().zip(&positions).all(|(&q, &p)| world.at(q) == p));
+            }
         }
+    }
+
+    #[test]
+    fn decimals_in_binary32_are_taken_near_the_origin_alone() {
+        let single = |x: f64| f64::from(x as f32);
+        let near = [[0.1, -0.25, 1.7].map(single), [0.3; 3].map(single)];
+        let found = grid(&near).expect("decimals");
+        assert_eq!(found.step, 0.01);
+        let world = found.to_world().at(found.quantise(&near).expect("inside")[0]);
+        assert_eq!(world, [0.1, -0.25, 1.7]);
+        // 10 km away these decimals are one binary32 number with others: it is taken as it is.
+        let far = [[10_000.123; 3].map(single), [10_000.5; 3]];
+        assert_eq!(grid(&far).expect("fractions").step, 1.0 / 512.0);
     }
 
     #[test]
@@ -172,7 +221,7 @@ mod tests {
         assert_eq!(wide, Err(ExactGridError::TooWide { step: 0.5, steps, because }));
         let mut search = ExactGrid::default();
         search.include(&[[3.0; 3]]);
-        search.include(&[[f32::NAN, 0.0, 0.0]]);
+        search.include(&[[f64::NAN, 0.0, 0.0]]);
         let found = search.grid().expect_err("no number");
         assert!(matches!(found, ExactGridError::NoStep(Coordinate { frame: 1, vertex: 0, .. })));
         assert_eq!(found.frame(), Some(1));

@@ -1,9 +1,9 @@
 //! The triangle mesh, in world units or on the sequence's grid.
 
-use crate::BoundingBox;
+use crate::{BoundingBox, Precision, vec3};
 
-/// A mesh in world units.
-pub type Mesh = TriangleMesh<f32>;
+/// A mesh in world units, in binary64: a scan may lie far from the origin.
+pub type Mesh = TriangleMesh<f64>;
 
 /// A mesh whose positions are integers: grid steps, or a fixed-point fraction of them where its
 /// owner says so.
@@ -29,8 +29,6 @@ pub type GridMesh = TriangleMesh<i32>;
 ///    decimation change a mesh through these three alone;
 /// 3. kn-io, which reads and writes it;
 /// 4. the intra coder of kn-codec, which orders vertices and faces anew.
-///
-/// Coordinates of another type, such as binary64 for scans far from the origin, are another `C`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TriangleMesh<C> {
@@ -69,8 +67,8 @@ impl<C> TriangleMesh<C> {
 }
 
 impl Mesh {
-    /// Checks what every algorithm of this workspace relies on: finite coordinates, faces that
-    /// index existing vertices, and no labels or one per vertex.
+    /// Checks what every algorithm of this workspace relies on: coordinates within
+    /// [`MAX_COORDINATE`], faces that index existing vertices, and no labels or one per vertex.
     ///
     /// # Errors
     /// The first fault found.
@@ -82,8 +80,9 @@ impl Mesh {
         if !self.labels.is_empty() && self.labels.len() != vertices {
             return Err(MeshFault::LabelCount { labels: self.labels.len(), vertices });
         }
-        let not_finite = |p: &[f32; 3]| p.iter().any(|coordinate| !coordinate.is_finite());
-        if let Some(vertex) = self.positions.iter().position(not_finite) {
+        let unusable =
+            |p: &[f64; 3]| !p.iter().all(|coordinate| coordinate.abs() <= MAX_COORDINATE);
+        if let Some(vertex) = self.positions.iter().position(unusable) {
             return Err(MeshFault::NotFinite { vertex });
         }
         for (face, corners) in self.faces.iter().enumerate() {
@@ -103,20 +102,37 @@ impl Mesh {
     /// has been cleaned and its isolated vertices dropped. `None` without such a face.
     pub fn surface_box(&self) -> Option<BoundingBox> {
         let corners = |face: &[u32; 3]| face.map(|vertex| self.positions[vertex as usize]);
-        let apart = |&[a, b, c]: &[[f32; 3]; 3]| a != b && b != c && c != a;
+        let apart = |&[a, b, c]: &[[f64; 3]; 3]| a != b && b != c && c != a;
         let mut bounds: Option<BoundingBox> = None;
         for corner in self.faces.iter().map(corners).filter(apart).flatten() {
-            let corner = corner.map(f64::from);
             bounds.get_or_insert(BoundingBox { min: corner, max: corner }).include(corner);
         }
         bounds
     }
 
-    /// `#V × 3` positions in binary64, for measuring.
-    pub fn positions_f64(&self) -> Vec<[f64; 3]> {
-        self.positions.iter().map(|p| p.map(f64::from)).collect()
+    /// The precision that a file of this mesh needs: binary32 where it moves no vertex by more than
+    /// 2^-19 of the box's longest side.
+    pub fn precision(&self) -> Precision {
+        let Some(bounds) = self.bounding_box() else { return Precision::Single };
+        let farthest =
+            bounds.min.iter().chain(&bounds.max).fold(0.0_f64, |far, x| far.max(x.abs()));
+        match farthest <= 32.0 * bounds.longest_side() {
+            true => Precision::Single,
+            false => Precision::Double,
+        }
+    }
+
+    /// `#V × 3` positions relative to the middle of the box, in binary32: for what looks at a mesh
+    /// and needs no more.
+    pub fn centred(&self) -> Vec<[f32; 3]> {
+        let middle = self.bounding_box().map_or([0.0; 3], |bounds| bounds.middle());
+        self.positions.iter().map(|&p| vec3::sub(p, middle).map(|x| x as f32)).collect()
     }
 }
+
+/// The largest coordinate of a mesh, in magnitude: squares and cubes of lengths stay far inside
+/// binary64, and files can have any coordinate in binary32.
+pub const MAX_COORDINATE: f64 = 1e38;
 
 /// Most vertices or faces of a mesh: half-edge numbers (three per face) fit 32 bits.
 const MAX_COUNT: usize = u32::MAX as usize / 3;
@@ -124,8 +140,8 @@ const MAX_COUNT: usize = u32::MAX as usize / 3;
 /// The reason why a [`Mesh`] is not valid. Vertices and faces are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFault {
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has a coordinate that is NaN or infinite")]
+    /// A coordinate is NaN, infinite, or beyond [`MAX_COORDINATE`].
+    #[error("vertex {vertex} has a coordinate that is NaN or infinite, or beyond 1e38")]
     NotFinite {
         /// Index of the vertex.
         vertex: usize,
@@ -168,7 +184,7 @@ mod tests {
         let good = Mesh::new(positions, vec![[0, 1, 2]]).with_labels(vec![0, 1, 2]);
         assert_eq!(good.check(), Ok(()));
         let mut bad = good.clone();
-        bad.positions[2][1] = f32::NEG_INFINITY;
+        bad.positions[2][1] = f64::NEG_INFINITY;
         assert_eq!(bad.check(), Err(MeshFault::NotFinite { vertex: 2 }));
         let mut bad = good.clone();
         bad.faces.push([0, 3, 1]);

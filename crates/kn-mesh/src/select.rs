@@ -33,7 +33,7 @@ impl VertexMap {
 
     /// Merges vertices at exactly the same position (−0 equals +0) into the first of them and keeps
     /// the order of these.
-    pub fn of_welded(positions: &[[f32; 3]]) -> Self {
+    pub fn of_welded(positions: &[[f64; 3]]) -> Self {
         let mut targets = first_at_position(positions);
         let mut sources = Vec::with_capacity(positions.len());
         for vertex in 0..targets.len() {
@@ -109,7 +109,7 @@ impl<C: Copy> TriangleMesh<C> {
 }
 
 /// For every vertex the lowest vertex at the same position.
-fn first_at_position(positions: &[[f32; 3]]) -> Vec<u32> {
+fn first_at_position(positions: &[[f64; 3]]) -> Vec<u32> {
     // Adding +0 turns −0 into +0 and leaves every other number: equal bits, equal position.
     let bits = |vertex: u32| positions[vertex as usize].map(|c| (c + 0.0).to_bits());
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();

@@ -1,6 +1,6 @@
 //! Meshes as the metrics take them: borrowed, with a BVH over the faces, or fully prepared.
 
-use kn_mesh::{BoundingBox, Mesh, TriangleMesh};
+use kn_mesh::{BoundingBox, Mesh};
 
 use crate::compare::{CompareError, CompareOptions};
 use crate::msdm2::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
@@ -24,15 +24,12 @@ impl<'m> MeshRef<'m> {
 
     /// The axis-aligned box of all vertices; `None` without vertices.
     pub fn bounding_box(&self) -> Option<BoundingBox> {
-        let &first = self.positions.first()?;
-        let mut bounds = BoundingBox { min: first, max: first };
-        self.positions.iter().for_each(|&position| bounds.include(position));
-        Some(bounds)
+        BoundingBox::of(self.positions)
     }
 }
 
-impl<'m> From<&'m TriangleMesh<f64>> for MeshRef<'m> {
-    fn from(mesh: &'m TriangleMesh<f64>) -> Self {
+impl<'m> From<&'m Mesh> for MeshRef<'m> {
+    fn from(mesh: &'m Mesh) -> Self {
         Self::new(&mesh.positions, &mesh.faces)
     }
 }
@@ -102,14 +99,6 @@ impl Surface {
             Prepared::Distance(TriangleTree::new(mesh.positions, mesh.faces)?)
         };
         Ok(Self { positions: mesh.positions.to_vec(), faces: mesh.faces.to_vec(), prepared })
-    }
-
-    /// Prepares a mesh with coordinates in binary32.
-    ///
-    /// # Errors
-    /// The errors of [`Self::new`].
-    pub fn of_mesh(mesh: &Mesh, options: &CompareOptions) -> Result<Self, CompareError> {
-        Self::new(MeshRef::new(&mesh.positions_f64(), &mesh.faces), options)
     }
 
     /// The mesh.

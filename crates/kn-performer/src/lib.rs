@@ -207,11 +207,11 @@ impl Performer {
     ///
     /// A vertex beside the surface (noise) keeps its distance from it. A point that is hidden in
     /// frame `to`, under the tunic or inside a touching limb, is where it really is: inside.
-    pub fn transport(&self, mesh: &Mesh, from: u32, to: u32) -> Vec<[f32; 3]> {
+    pub fn transport(&self, mesh: &Mesh, from: u32, to: u32) -> Vec<[f64; 3]> {
         let (source, target) = (self.scene(from), self.scene(to));
         let flow = Flow { rest: &self.rest, from: &source, to: &target };
-        let carry = |(i, position): (usize, &[f32; 3])| {
-            let at = glam::DVec3::from(position.map(f64::from));
+        let carry = |(i, position): (usize, &[f64; 3])| {
+            let at = glam::DVec3::from(*position);
             let label = mesh.labels.get(i).copied();
             let label = label.unwrap_or_else(|| source.label(at, &source.all()));
             scan::rounded(flow.carry(at, label))
@@ -221,9 +221,9 @@ impl Performer {
 
     /// The signed distance (metres, negative inside) of `point` from the noiseless surface of
     /// frame `index`; of first order, so exact only near the surface.
-    pub fn distance(&self, index: u32, point: [f32; 3]) -> f64 {
+    pub fn distance(&self, index: u32, point: [f64; 3]) -> f64 {
         let scene = self.scene(index);
-        scene.value(glam::DVec3::from(point.map(f64::from)), &scene.all())
+        scene.value(glam::DVec3::from(point), &scene.all())
     }
 
     fn scene(&self, index: u32) -> Scene {

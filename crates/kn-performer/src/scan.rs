@@ -127,7 +127,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// A position in binary32.
-pub(super) fn rounded(position: DVec3) -> [f32; 3] {
-    position.to_array().map(|c| c as f32)
+/// A position as a scanner's file has it: rounded to binary32.
+pub(super) fn rounded(position: DVec3) -> [f64; 3] {
+    position.to_array().map(|c| f64::from(c as f32))
 }

@@ -1,6 +1,7 @@
 //! Properties of the synthetic performer that the rest of the workspace relies on.
 
 use kn_mesh::Mesh;
+use kn_mesh::vec3::distance;
 use kn_performer::{Action, Performer, PerformerConfig, part};
 use std::collections::HashMap;
 
@@ -37,11 +38,6 @@ fn boundary_edges(mesh: &Mesh) -> usize {
 fn euler_characteristic(mesh: &Mesh) -> i64 {
     let edges = directed_edges(mesh).len() / 2;
     mesh.positions.len() as i64 - edges as i64 + mesh.faces.len() as i64
-}
-
-fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
-    let side = |i: usize| f64::from(a[i] - b[i]);
-    (0..3).map(|i| side(i) * side(i)).sum::<f64>().sqrt()
 }
 
 /// The value below which `share` of the values lie.

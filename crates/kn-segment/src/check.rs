@@ -80,7 +80,7 @@ const LEGS: [[BodyPart; 3]; 2] = [
 /// # Errors
 /// The errors of [`super::Segmenter::segment`], or there is not one label for each vertex.
 pub fn check_labels(
-    positions: &[[f32; 3]],
+    positions: &[[f64; 3]],
     faces: &[[u32; 3]],
     labels: &[u8],
     up_axis: UpAxis,

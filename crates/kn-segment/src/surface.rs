@@ -25,7 +25,7 @@ impl Surface {
     /// # Errors
     /// A mesh without area, a position that is not finite, a face index out of range.
     pub(super) fn new(
-        positions: &[[f32; 3]],
+        positions: &[[f64; 3]],
         faces: &[[u32; 3]],
         up: UpAxis,
     ) -> Result<Self, SegmentError> {
@@ -160,7 +160,7 @@ impl Samples {
     }
 }
 
-fn check(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<(), SegmentError> {
+fn check(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<(), SegmentError> {
     if positions.is_empty() || faces.is_empty() {
         return Err(SegmentError::Empty);
     }
@@ -175,7 +175,6 @@ fn check(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<(), SegmentError>
 }
 
 /// Turns the up axis into y and keeps the handedness.
-fn upright(p: [f32; 3], up: usize) -> V3 {
-    let p = p.map(f64::from);
+fn upright(p: [f64; 3], up: usize) -> V3 {
     V3::new(p[(up + 2) % 3], p[up], p[(up + 1) % 3])
 }

@@ -107,7 +107,7 @@ fn any_axis_can_point_up() {
         performer(PerformerConfig { vertices: 3_000, ..PerformerConfig::default() }).frame(0);
     let labels = fresh(&mesh).labels;
     for up_axis in [UpAxis::X, UpAxis::Z] {
-        let turn = |p: &[f32; 3]| {
+        let turn = |p: &[f64; 3]| {
             let mut q = [0.0; 3];
             (0..3).for_each(|axis| q[(axis + up_axis.index() + 2) % 3] = p[axis]);
             q
@@ -129,11 +129,11 @@ fn millimetres_are_as_good_as_metres() {
 
 #[test]
 fn refuses_what_is_no_mesh() {
-    let run = |positions: &[[f32; 3]], faces: &[[u32; 3]]| {
+    let run = |positions: &[[f64; 3]], faces: &[[u32; 3]]| {
         Segmenter::new(SegmentOptions::default()).segment(positions, faces).unwrap_err()
     };
     let corner = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let nan = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
+    let nan = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f64::NAN, 0.0]];
     assert_eq!(run(&[], &[]), SegmentError::Empty);
     assert_eq!(run(&corner, &[]), SegmentError::Empty);
     assert_eq!(run(&nan, &[[0, 1, 2]]), SegmentError::NotFinite { vertex: 2 });
@@ -142,9 +142,9 @@ fn refuses_what_is_no_mesh() {
 }
 
 /// Faces with corners of their own: triangles of one size along a helix.
-fn loose_triangles(count: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+fn loose_triangles(count: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let corners = |i: u32| {
-        let (angle, up) = (0.7 * i as f32, 1.7 * i as f32 / count as f32);
+        let (angle, up) = (0.7 * f64::from(i), 1.7 * f64::from(i) / f64::from(count));
         let (x, z) = (0.2 * angle.cos(), 0.2 * angle.sin());
         [[x, up, z], [x + 0.02, up, z], [x, up + 0.02, z]]
     };
@@ -228,9 +228,9 @@ proptest! {
     /// Any soup of triangles, islands and slivers gets labels.
     #[test]
     fn survives_triangle_soup(
-        points in prop::collection::vec(prop::array::uniform3(-1e3f32..1e3), 3..300),
+        points in prop::collection::vec(prop::array::uniform3(-1e3f64..1e3), 3..300),
         picks in prop::collection::vec(prop::array::uniform3(0u32..300), 1..300),
-        scale in prop::sample::select(vec![1e-12f32, 1.0, 1e12]),
+        scale in prop::sample::select(vec![1e-12f64, 1.0, 1e12]),
     ) {
         let positions: Vec<_> = points.iter().map(|p| p.map(|x| x * scale)).collect();
         let count = positions.len() as u32;

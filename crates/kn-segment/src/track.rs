@@ -163,7 +163,7 @@ impl Segmenter {
     /// of which is small components.
     pub fn segment(
         &mut self,
-        positions: &[[f32; 3]],
+        positions: &[[f64; 3]],
         faces: &[[u32; 3]],
     ) -> Result<Segmentation, SegmentError> {
         let mut surface = Surface::new(positions, faces, self.options.up_axis)?;

@@ -145,7 +145,7 @@ fn measure(
         let (file, frame) = (frame.file.clone(), frame.index);
         move |source: CompareError| SequenceError::Compare { file, frame, source }
     };
-    let prepare = |frame: &Frame| Surface::of_mesh(&frame.mesh, metrics).map_err(at(frame));
+    let prepare = |frame: &Frame| Surface::new((&frame.mesh).into(), metrics).map_err(at(frame));
     let (reference, distorted) = (prepare(a)?, prepare(b)?);
     let comparison = match part {
         None => compare_surfaces(&reference, &distorted, metrics),

@@ -35,6 +35,12 @@ impl SequenceOptions {
         self.labels = pattern;
         self
     }
+
+    /// Samples an animated glTF file at so many frames per second.
+    pub fn at_frame_rate(mut self, frames_per_second: f64) -> Self {
+        self.read.frame_rate = frames_per_second;
+        self
+    }
 }
 
 impl Default for SequenceOptions {
@@ -104,6 +110,15 @@ impl Sequence {
             Source::Stream(StreamSource::File(path)) => Box::new(std::iter::once(path.as_path())),
             Source::Stream(StreamSource::Memory { .. }) => Box::new(std::iter::empty()),
         }
+    }
+
+    /// Frames per second; `None` for mesh files, which do not say.
+    ///
+    /// # Errors
+    /// The stream cannot be opened.
+    pub fn frame_rate(&self) -> Result<Option<f64>, SequenceError> {
+        let Source::Stream(stream) = &self.source else { return Ok(None) };
+        Ok(stream.decoder()?.stream().header().map(|header| header.frame_rate.per_second()))
     }
 
     /// Reads the frames, from the first one on.

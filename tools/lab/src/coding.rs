@@ -34,7 +34,7 @@ pub(crate) struct Surface(kn_metrics::Surface);
 
 impl Surface {
     pub(crate) fn new(mesh: &Mesh) -> Result<Self> {
-        Ok(Self(kn_metrics::Surface::of_mesh(mesh, &CompareOptions::perceptual())?))
+        Ok(Self(kn_metrics::Surface::new(mesh.into(), &CompareOptions::perceptual())?))
     }
 
     /// Distances between two surfaces, with so many area-uniform samples on each.

@@ -9,6 +9,7 @@
 use anyhow::Result;
 use kn_fit::{RegisterOptions, Registration, register};
 use kn_mesh::Mesh;
+use kn_mesh::vec3::distance_squared;
 use kn_performer::{Action, Performer, PerformerConfig};
 
 const VERTICES: usize = 10_000;
@@ -32,7 +33,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
         let truth = performer.transport(&source, 0, 1);
         let found = registered(&source, &target)?;
         let squared: Vec<f64> =
-            found.positions.iter().zip(&truth).map(|(a, b)| squared_distance(a, b)).collect();
+            found.positions.iter().zip(&truth).map(|(a, b)| distance_squared(*a, *b)).collect();
         let worst = worst_part(&squared, &source.labels);
         sum += root_mean(squared.iter().copied());
         if worst.1 > LOST {
@@ -46,12 +47,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
 }
 
 fn registered(source: &Mesh, target: &Mesh) -> Result<Registration> {
-    let (from, to) = (source.positions_f64(), target.positions_f64());
-    Ok(register(&from, &source.faces, &to, &target.faces, &RegisterOptions::default())?)
-}
-
-fn squared_distance(a: &[f64; 3], b: &[f32; 3]) -> f64 {
-    (0..3).map(|axis| (a[axis] - f64::from(b[axis])).powi(2)).sum()
+    let (from, to) = (&source.positions, &target.positions);
+    Ok(register(from, &source.faces, to, &target.faces, &RegisterOptions::default())?)
 }
 
 fn root_mean(values: impl Iterator<Item = f64>) -> f64 {

@@ -42,7 +42,7 @@ fn meshes(arguments: &[String]) -> Result<[Mesh; 2]> {
         let performer = Performer::new(PerformerConfig::default())?;
         [performer.frame(0), performer.frame(1)]
     };
-    Ok(meshes.map(|mesh| (mesh.positions_f64(), mesh.faces)))
+    Ok(meshes.map(|mesh| (mesh.positions, mesh.faces)))
 }
 
 /// Runs a stage and prints its least CPU and wall times; returns the last result.

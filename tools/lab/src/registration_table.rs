@@ -137,9 +137,9 @@ fn largest_stretch(source: &Path, out: &Path) -> Result<f64> {
     let source = read_mesh(source, &ReadOptions::default())?.mesh;
     let out = read_mesh(out, &ReadOptions::default())?.mesh;
     let least = 1e-3 * source.bounding_box().context("no vertices")?.diagonal();
-    let length = |positions: &[[f32; 3]], a: u32, b: u32| {
+    let length = |positions: &[[f64; 3]], a: u32, b: u32| {
         let (a, b) = (positions[a as usize], positions[b as usize]);
-        (0..3).map(|axis| f64::from(a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+        (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
     };
     let edges = source.faces.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
     let growth = edges

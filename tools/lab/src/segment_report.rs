@@ -183,20 +183,20 @@ fn areas(mesh: &Mesh) -> Vec<f64> {
 }
 
 /// The vertex closest to each point, if any is within 15 mm.
-fn nearest(vertices: &[[f32; 3]], points: &[[f32; 3]]) -> Vec<Option<usize>> {
-    const REACH: f32 = 0.015;
-    let cell = |p: &[f32; 3]| p.map(|x| (x / REACH).floor() as i32);
+fn nearest(vertices: &[[f64; 3]], points: &[[f64; 3]]) -> Vec<Option<usize>> {
+    const REACH: f64 = 0.015;
+    let cell = |p: &[f64; 3]| p.map(|x| (x / REACH).floor() as i32);
     let mut cells: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
     for (v, position) in vertices.iter().enumerate() {
         cells.entry(cell(position)).or_default().push(v);
     }
-    let find = |point: &[f32; 3]| {
+    let find = |point: &[f64; 3]| {
         let [x, y, z] = cell(point);
         let mut best = (REACH * REACH, None);
         for i in 0..27 {
             let key = [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
             for &v in cells.get(&key).into_iter().flatten() {
-                let far = (0..3).map(|k| (vertices[v][k] - point[k]).powi(2)).sum::<f32>();
+                let far = (0..3).map(|k| (vertices[v][k] - point[k]).powi(2)).sum::<f64>();
                 if far < best.0 {
                     best = (far, Some(v));
                 }

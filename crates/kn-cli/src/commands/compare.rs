@@ -15,7 +15,7 @@ use kn_sequence::{
     compare_sequences_with,
 };
 use output::Report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measure the distortion between two meshes or sequences
 #[derive(Debug, clap::Args)]
@@ -132,12 +132,25 @@ impl CompareArguments {
         let streams = [&self.reference, &self.other].map(|path| stream::is_stream(path));
         let clean = self.clean || streams[0] != streams[1];
         let options = if clean { SequenceOptions::cleaned() } else { SequenceOptions::default() };
-        let labelled = |labels: Option<&PathBuf>| match self.part {
-            Some(_) => options.clone().with_labels(labels.cloned()),
-            None => options.clone(),
+        let open = |path: &Path, labels: Option<&PathBuf>, frame_rate: Option<f64>| {
+            let mut options = options.clone();
+            if self.part.is_some() {
+                options = options.with_labels(labels.cloned());
+            }
+            if let Some(frame_rate) = frame_rate {
+                options = options.at_frame_rate(frame_rate);
+            }
+            stream::sequence(path, &options)
         };
-        let reference = stream::sequence(&self.reference, &labelled(self.labels.as_ref()))?;
-        Ok((reference, stream::sequence(&self.other, &labelled(None))?))
+        let labels = self.labels.as_ref();
+        // An animated glTF file is sampled at the rate of the stream on the other side.
+        if streams[1] {
+            let other = open(&self.other, None, None)?;
+            return Ok((open(&self.reference, labels, other.frame_rate()?)?, other));
+        }
+        let reference = open(&self.reference, labels, None)?;
+        let other = open(&self.other, None, reference.frame_rate()?)?;
+        Ok((reference, other))
     }
 
     fn options(&self) -> CompareSequences {

@@ -13,7 +13,7 @@ use clap::ValueEnum;
 use kn_codec::{DecodeErrorKind, Decoder};
 use kn_mesh::Mesh;
 use kn_sequence::StreamReader;
-use sink::Sink;
+use sink::{Files, Sink};
 use std::path::PathBuf;
 
 /// Decode a .knm file into meshes
@@ -129,7 +129,10 @@ impl DecodeArguments {
                 Sink::animation(&self.output, rate.unwrap_or_default().per_second())
             }
             Target::Folder(extension) => {
-                Sink::files(&self.output, extension, outputs, self.overwrite)
+                let precision = decoder.stream().precision().unwrap_or_default();
+                let overwrite = self.overwrite;
+                Files::create(&self.output, extension, precision, outputs, overwrite)
+                    .map(|files| Sink::Files(Box::new(files)))
             }
         }
     }

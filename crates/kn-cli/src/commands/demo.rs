@@ -152,8 +152,8 @@ fn measure(
     let mut rows = Vec::new();
     let mut still: Option<Surface> = None;
     for (scan, DecodedFrame { info, mesh }) in scans.iter().zip(decoded) {
-        let reference = Surface::of_mesh(scan, &perceptual)?;
-        let surface = Surface::of_mesh(mesh, &perceptual)?;
+        let reference = Surface::new(scan.into(), &perceptual)?;
+        let surface = Surface::new(mesh.into(), &perceptual)?;
         let comparison = compare_surfaces(&reference, &surface, &perceptual)?;
         let held_still = match (info.kind, &still) {
             (FrameKind::Predicted, Some(still)) => {

@@ -175,7 +175,9 @@ fn tell(frame: FrameReport, report: &mut Report, maps: &mut Option<VertexMaps>) 
 impl EncodeArguments {
     fn find_inputs(&self) -> Result<Inputs> {
         let origin = self.labels.clone().unwrap_or_default();
-        Ok(origin.find_inputs(&self.inputs, ReadOptions::default())?)
+        let frame_rate = self.fps.per_second();
+        let options = ReadOptions { frame_rate, ..ReadOptions::default() };
+        Ok(origin.find_inputs(&self.inputs, options)?)
     }
 
     /// Before any work.

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use kn_codec::{EarlierFrames, FailureTuning};
 use kn_fit::{FitError, FitOptions, RegisterOptions, Registration, Side, register};
 use kn_io::{MeshFormat, ReadOptions, read_mesh, write_mesh};
+use kn_mesh::vec3::distance_squared;
 use kn_mesh::{Cleaned, Mesh, clean};
 use kn_metrics::{Distances, TriangleTree, distances_to_surface};
 use serde::Serialize;
@@ -122,12 +123,18 @@ impl RegisterArguments {
         let measures = Some(FailureTuning::default().measures);
         let fit = FitOptions { measures, ..FitOptions::default() };
         let options = RegisterOptions { nodes: self.nodes.into(), fit };
-        let (positions, aims) = (from.mesh.positions_f64(), to.mesh.positions_f64());
-        let registration = register(&positions, &from.mesh.faces, &aims, &to.mesh.faces, &options)
-            .map_err(|error| self.name_file(error))?;
+        let (from_mesh, to_mesh) = (&from.mesh, &to.mesh);
+        let registration = register(
+            &from_mesh.positions,
+            &from_mesh.faces,
+            &to_mesh.positions,
+            &to_mesh.faces,
+            &options,
+        )
+        .map_err(|error| self.name_file(error))?;
         let mut deformed = source.clone();
         for (position, &vertex) in deformed.positions.iter_mut().zip(&from.vertex_map) {
-            *position = registration.positions[vertex as usize].map(|c| c as f32);
+            *position = registration.positions[vertex as usize];
         }
         Ok((deformed, registration))
     }
@@ -150,7 +157,7 @@ fn read(path: &Path) -> Result<Mesh> {
 }
 
 /// The positions of a mesh with as many vertices as the source.
-fn read_truth(path: &Path, source: &Mesh) -> Result<Vec<[f32; 3]>> {
+fn read_truth(path: &Path, source: &Mesh) -> Result<Vec<[f64; 3]>> {
     let options = ReadOptions { allow_no_faces: true, ..ReadOptions::default() };
     let truth = read_mesh(path, &options)?.mesh.positions;
     let (found, expected) = (truth.len(), source.positions.len());
@@ -168,7 +175,7 @@ fn cleaned(mesh: &Mesh, path: &Path) -> Result<Cleaned> {
 
 impl Relative {
     /// From the vertices of each surface, those that have a face, to the other surface.
-    fn measure(deformed: &Mesh, target: &Mesh, truth: Option<&[[f32; 3]]>) -> Result<Self> {
+    fn measure(deformed: &Mesh, target: &Mesh, truth: Option<&[[f64; 3]]>) -> Result<Self> {
         let (s2t, t2s) = rayon::join(|| one_way(deformed, target), || one_way(target, deformed));
         let (s2t, t2s) = (s2t?, t2s?);
         let diagonal = target.bounding_box().context("the target has no vertex")?.diagonal();
@@ -209,14 +216,12 @@ impl Measured {
 fn one_way(from: &Mesh, to: &Mesh) -> Result<Distances> {
     let mut used = vec![false; from.positions.len()];
     from.faces.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
-    let tree = TriangleTree::new(&to.positions_f64(), &to.faces)?;
-    Ok(distances_to_surface(&from.positions_f64(), Some(&used), &tree)?)
+    let tree = TriangleTree::new(&to.positions, &to.faces)?;
+    Ok(distances_to_surface(&from.positions, Some(&used), &tree)?)
 }
 
-fn rms_to_truth(deformed: &Mesh, truth: &[[f32; 3]]) -> f64 {
-    let squared = |(a, b): (&[f32; 3], &[f32; 3])| -> f64 {
-        (0..3).map(|axis| (f64::from(a[axis]) - f64::from(b[axis])).powi(2)).sum()
-    };
+fn rms_to_truth(deformed: &Mesh, truth: &[[f64; 3]]) -> f64 {
+    let squared = |(a, b): (&[f64; 3], &[f64; 3])| distance_squared(*a, *b);
     let sum: f64 = deformed.positions.iter().zip(truth).map(squared).sum();
     (sum / truth.len() as f64).sqrt()
 }

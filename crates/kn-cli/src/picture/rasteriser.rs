@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Colour};
 use super::view::View;
 use kn_mesh::Mesh;
+use kn_mesh::vec3::sub;
 
 /// The paint of a surface.
 #[derive(Clone, Copy)]
@@ -149,7 +150,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     for face in &mesh.faces {
         let [a, b, c] = face.map(|vertex| mesh.positions[vertex as usize]);
         let (u, v): ([f32; 3], [f32; 3]) =
-            (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+            (sub(b, a).map(|x| x as f32), sub(c, a).map(|x| x as f32));
         let cross: [f32; 3] = std::array::from_fn(|i| {
             u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]
         });
@@ -181,7 +182,7 @@ mod tests {
     use kn_bitstream::params::UpAxis;
     use kn_mesh::BoundingBox;
 
-    fn square_at(z: f32) -> Mesh {
+    fn square_at(z: f64) -> Mesh {
         let positions = vec![[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]];
         Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])
     }
@@ -220,7 +221,7 @@ mod tests {
         for face in &mut mesh.faces {
             face.swap(0, 1);
         }
-        mesh.positions.push([f32::NAN; 3]);
+        mesh.positions.push([f64::NAN; 3]);
         mesh.faces.extend([[0, 0, 1], [0, 1, 4]]);
         let back = render(&mesh, Paint::Plain([200; 3]), &view(), [20, 20]).pixel(10, 10);
         assert!(back[0] < front[0]);

@@ -9,7 +9,7 @@ pub(crate) struct View {
     /// Unit vectors of the picture: to the right, upwards, towards the viewer.
     axes: [[f32; 3]; 3],
     /// Middle of the box.
-    centre: [f32; 3],
+    centre: [f64; 3],
     /// Half of the box's extent to the right and upwards in the picture.
     half: [f32; 2],
 }
@@ -23,7 +23,7 @@ impl View {
     /// Looks at `bounds` from the front, turned by `yaw_degrees` about the up axis.
     pub(crate) fn new(bounds: &BoundingBox, up_axis: UpAxis, yaw_degrees: f32) -> Self {
         let axes = camera_axes(up_axis, yaw_degrees);
-        let middle = |axis: usize| ((bounds.min[axis] + bounds.max[axis]) / 2.0) as f32;
+        let middle = |axis: usize| (bounds.min[axis] + bounds.max[axis]) / 2.0;
         let extent = |axis: usize| ((bounds.max[axis] - bounds.min[axis]) / 2.0) as f32;
         // The box's shadow on a picture axis is the sum of its sides' shadows.
         let shadow = |axis: [f32; 3]| (0..3).map(|i| axis[i].abs() * extent(i)).sum();
@@ -43,9 +43,9 @@ impl View {
     }
 
     /// Pixel coordinates (right, down) and depth (towards the viewer, in pixels).
-    pub(super) fn project(&self, p: [f32; 3], width: usize, height: usize) -> [f32; 3] {
+    pub(super) fn project(&self, p: [f64; 3], width: usize, height: usize) -> [f32; 3] {
         let scale = self.scale(width, height);
-        let q = self.turn(std::array::from_fn(|i| p[i] - self.centre[i]));
+        let q = self.turn(std::array::from_fn(|i| (p[i] - self.centre[i]) as f32));
         [width as f32 / 2.0 + q[0] * scale, height as f32 / 2.0 - q[1] * scale, q[2] * scale]
     }
 
@@ -85,7 +85,7 @@ mod tests {
             for yaw in [0.0, 33.0, 90.0, 210.0] {
                 let view = View::new(&bounds, up_axis, yaw);
                 for corner in 0..8 {
-                    let pick = |i: usize| [bounds.min, bounds.max][corner >> i & 1][i] as f32;
+                    let pick = |i: usize| [bounds.min, bounds.max][corner >> i & 1][i];
                     let [x, y, _] = view.project([pick(0), pick(1), pick(2)], 200, 300);
                     assert!((0.0..=200.0).contains(&x) && (0.0..=300.0).contains(&y));
                 }

@@ -15,7 +15,7 @@ use kn_bitstream::{
     BitReader, Element, Error, Index, IndexGroup, Level, MotionFrame, SequenceHeader, Trace, Value,
     rule,
 };
-use kn_mesh::{Grid, Mesh};
+use kn_mesh::{Grid, Mesh, Precision};
 
 /// The result of [`StreamDecoder::poll`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,6 +180,14 @@ impl StreamDecoder {
     pub fn grid(&self) -> Option<Grid> {
         let fine = |h: &SequenceHeader| h.grid_step / f64::from(1_u32 << h.fraction_bits);
         self.header.as_ref().map(|h| Grid { origin: h.grid_origin, step: fine(h) })
+    }
+
+    /// The precision that files of the decoded meshes need; `None` before the header was read.
+    pub fn precision(&self) -> Option<Precision> {
+        let precision = |h: &SequenceHeader| {
+            Grid { origin: h.grid_origin, step: h.grid_step }.precision(h.fraction_bits)
+        };
+        self.header.as_ref().map(precision)
     }
 
     /// Positions of the last frame on [`Self::grid`] (`#V × 3`). They are the same in every
@@ -350,7 +358,8 @@ impl StreamDecoder {
     fn fill(&self, mesh: &mut Mesh) {
         let Some(grid) = self.grid() else { return };
         mesh.positions.clear();
-        mesh.positions.extend(self.grid_positions().iter().map(|&p| grid.dequantise(p)));
+        let world = grid.to_world();
+        mesh.positions.extend(self.grid_positions().iter().map(|&p| world.at(p)));
         let intra = self.group.intra();
         // Copied for P-frames too: the caller may have brought another mesh.
         mesh.faces.clear();

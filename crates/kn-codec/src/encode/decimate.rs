@@ -63,10 +63,11 @@ fn collapse(mesh: &Mesh, target: usize, bound: Bound, label_weight: f32) -> Coll
         Bound::Absolute(error) => (error, SimplifyOptions::ErrorAbsolute),
     };
     let (labels, weights) = label_attributes(&mesh.labels, label_weight);
+    let positions = mesh.centred();
     let unlocked = vec![false; mesh.positions.len()];
     let corners = meshopt::simplify_with_attributes_and_locks_decoder(
         mesh.faces.as_flattened(),
-        &mesh.positions,
+        &positions,
         &labels,
         &weights,
         weights.len() * size_of::<f32>(),
@@ -99,8 +100,8 @@ impl Collapsed {
         if faces.len() == mesh.faces.len() {
             return None;
         }
-        let surface = TriangleTree::new(&mesh.positions_f64(), &faces).ok()?;
-        let error = distances_to_surface(&mesh.positions_f64(), None, &surface).ok()?.max;
+        let surface = TriangleTree::new(&mesh.positions, &faces).ok()?;
+        let error = distances_to_surface(&mesh.positions, None, &surface).ok()?.max;
         let used = VertexMap::of_used(mesh.positions.len(), &faces);
         let coarse = mesh.clone().replace_faces(faces).map_vertices(&used);
         let vertex_map = used.into_targets();
@@ -130,7 +131,7 @@ mod tests {
         let table = EdgeTable::new(mesh.positions.len(), &mesh.faces);
         let length = |half_edge: u32| {
             let ends = half_edge_ends(&mesh.faces, half_edge);
-            let [a, b] = ends.map(|v| mesh.positions[v as usize].map(f64::from));
+            let [a, b] = ends.map(|v| mesh.positions[v as usize]);
             distance(a, b)
         };
         (table.boundary_count(), table.boundary().map(length).sum())
@@ -170,8 +171,8 @@ mod tests {
         };
         assert_eq!(present(&coarse.labels), present(&mesh.labels));
         // The label of the nearest corner is the vertex' own for nearly all vertices.
-        let surface = TriangleTree::new(&coarse.positions_f64(), &coarse.faces).expect("a tree");
-        let closest = surface.closest_all(&mesh.positions_f64());
+        let surface = TriangleTree::new(&coarse.positions, &coarse.faces).expect("a tree");
+        let closest = surface.closest_all(&mesh.positions);
         let agrees = |(closest, label): &(&kn_metrics::Closest, &u8)| {
             let corners = coarse.faces[closest.face as usize];
             corners.iter().any(|&corner| coarse.labels[corner as usize] == **label)

@@ -226,9 +226,12 @@ impl GroupEncoder {
     fn on_grid(&self, mesh: &Mesh) -> Result<GridMesh, InputFault> {
         let positions = self.grid.quantise(&mesh.positions)?;
         if let GridChoice::Lossless(grid) = self.config.sequence.grid {
-            let pairs = mesh.positions.iter().zip(&positions);
-            let moved = |(own, coded): (&[f32; 3], &[i32; 3])| grid.dequantise(*coded) != *own;
-            if let Some(vertex) = pairs.map(moved).position(|moved| moved) {
+            let world = grid.to_world();
+            // A binary32 number may stand for the decimal that it is nearest to.
+            let kept = |(own, coded): (&f64, f64)| *own == coded || *own == f64::from(coded as f32);
+            let moved =
+                |(own, coded): (&[f64; 3], &[i32; 3])| !own.iter().zip(world.at(*coded)).all(kept);
+            if let Some(vertex) = mesh.positions.iter().zip(&positions).position(moved) {
                 return Err(InputFault::OffGrid { vertex });
             }
         }

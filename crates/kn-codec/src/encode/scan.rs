@@ -126,9 +126,9 @@ impl<'a> Scans<'a> {
 }
 
 /// Converts world positions to grid steps.
-pub(crate) fn to_grid_steps(positions: &[[f32; 3]], grid: Grid) -> Vec<[f64; 3]> {
-    let step = |p: &[f32; 3]| -> [f64; 3] {
-        std::array::from_fn(|axis| (f64::from(p[axis]) - grid.origin[axis]) / grid.step)
+pub(crate) fn to_grid_steps(positions: &[[f64; 3]], grid: Grid) -> Vec<[f64; 3]> {
+    let step = |p: &[f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|axis| (p[axis] - grid.origin[axis]) / grid.step)
     };
     positions.iter().map(step).collect()
 }

@@ -21,7 +21,11 @@ pub(crate) fn sequence_header(
         frame_rate: config.sequence.frame_rate,
         up_axis: config.sequence.up_axis,
         unit_of_length: config.sequence.unit,
-        fraction_bits: config.sequence.fraction_bits,
+        fraction_bits: match config.sequence.grid {
+            // Decoded vertices are grid points, so that their decimals are those of the scan.
+            GridChoice::Lossless(_) => 0,
+            GridChoice::Bits { .. } | GridChoice::Step { .. } => config.sequence.fraction_bits,
+        },
         max_group_length: config.sequence.group_length,
         nodes_per_vertex: config.motion.nodes_per_vertex,
         weight_scheme: config.motion.weights.scheme(),

@@ -2,15 +2,17 @@
 //! cannot fail.
 
 use super::super::{Fault, MeshErrorKind};
-use super::{bad, container::Buffer};
-use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
+use super::bad;
+use super::container::Buffer;
+use super::json::{Root, Sparse as JsonSparse};
+use super::views::View;
 
 /// The document and its buffers, to open accessors in.
 pub(super) struct Document {
     pub(super) root: Root,
     pub(super) buffers: Vec<Buffer>,
+    /// One for each buffer view of the document.
+    pub(super) views: Vec<View>,
 }
 
 /// Most numbers that one file may make us hold: accessors can share the same few bytes, and those
@@ -24,7 +26,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    fn spend(&mut self, numbers: u64) -> Result<(), Fault> {
+    pub(super) fn spend(&mut self, numbers: u64) -> Result<(), Fault> {
         self.spent = self.spent.saturating_add(numbers);
         if self.spent <= MAX_NUMBERS {
             return Ok(());
@@ -65,32 +67,21 @@ struct Sparse {
 
 impl Accessor {
     /// Opens an accessor and checks that all of it lies inside its buffers.
-    pub(super) fn open(
-        document: &Document,
-        index: Index<Json>,
-        budget: &mut Budget,
-    ) -> Result<Self, Fault> {
-        let at = index.value();
+    pub(super) fn open(document: &Document, at: usize, budget: &mut Budget) -> Result<Self, Fault> {
         let json = document.root.accessors.get(at);
         let json = json.ok_or_else(|| bad(format!("accessor {at} does not exist")))?;
-        let (Checked::Valid(component), Checked::Valid(kind)) = (&json.component_type, &json.type_)
+        let (Some(component), Some(width)) =
+            (ComponentType::of(json.component_type), width_of(&json.kind))
         else {
             return Err(bad(format!("accessor {at} has an unknown type")));
         };
-        let component = component.0;
-        if matches!(kind, Type::Mat2 | Type::Mat3) {
-            return Err(bad(format!("accessor {at} holds matrices that no mesh has")));
-        }
-        let width = kind.multiplicity();
-        budget.spend(json.count.0.saturating_mul(width as u64))?;
+        budget.spend(json.count.saturating_mul(width as u64))?;
         let size = width * component.size();
         let outside = || bad(format!("accessor {at} reaches outside its buffer"));
-        let count = usize::try_from(json.count.0).map_err(|_| outside())?;
-        let offset = json.byte_offset.unwrap_or_default().0;
+        let count = usize::try_from(json.count).map_err(|_| outside())?;
+        let window = |view| document.window(view, json.byte_offset, count, size);
         let elements = match json.buffer_view {
-            Some(view) => {
-                Some(document.window(view.value(), offset, count, size).ok_or_else(outside)?)
-            }
+            Some(view) => Some(window(view).ok_or_else(outside)?),
             None => None,
         };
         let sparse = match &json.sparse {
@@ -103,21 +94,21 @@ impl Accessor {
     /// Opens an accessor that must have elements of `width` components.
     pub(super) fn open_wide(
         document: &Document,
-        index: Index<Json>,
+        at: usize,
         width: usize,
         budget: &mut Budget,
     ) -> Result<Self, Fault> {
-        let accessor = Self::open(document, index, budget)?;
+        let accessor = Self::open(document, at, budget)?;
         if accessor.width == width {
             Ok(accessor)
         } else {
-            Err(bad(format!("accessor {} should have {width} components", index.value())))
+            Err(bad(format!("accessor {at} should have {width} components")))
         }
     }
 
     /// All elements one after the other, `count × width`; integers scaled where they are
     /// normalised.
-    pub(super) fn read(&self, document: &Document) -> Vec<f32> {
+    pub(super) fn read(&self, document: &Document) -> Vec<f64> {
         let scale = match (self.normalized, self.component) {
             (true, ComponentType::I8) => 127.0,
             (true, ComponentType::U8) => 255.0,
@@ -128,11 +119,11 @@ impl Accessor {
         // Signed normalised integers reach one step below −1, which means −1.
         let floor = if self.normalized { -1.0 } else { f64::NEG_INFINITY };
         let value = |raw: f64| if scale == 1.0 { raw } else { (raw / scale).max(floor) };
-        self.raw(document, |raw| value(raw) as f32)
+        self.raw(document, value)
     }
 
     /// All elements as vectors of three.
-    pub(super) fn read_vectors(&self, document: &Document) -> Vec<[f32; 3]> {
+    pub(super) fn read_vectors(&self, document: &Document) -> Vec<[f64; 3]> {
         let values = self.read(document);
         values.chunks_exact(3).map(|vector| [vector[0], vector[1], vector[2]]).collect()
     }
@@ -180,13 +171,10 @@ impl Accessor {
 impl Document {
     /// Elements of `size` bytes in a buffer view; `None` where they do not lie inside it.
     fn window(&self, view: usize, offset: u64, count: usize, size: usize) -> Option<Window> {
-        let view = self.root.buffer_views.get(view)?;
-        let buffer = view.buffer.value();
+        let View { buffer, start, end: view_end, stride } = *self.views.get(view)?;
         let bytes = self.buffers.get(buffer)?.bytes();
-        let view_start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
-        let view_end = view_start.checked_add(usize::try_from(view.byte_length.0).ok()?)?;
-        let start = view_start.checked_add(usize::try_from(offset).ok()?)?;
-        let stride = view.byte_stride.map_or(size, |stride| stride.0);
+        let start = start.checked_add(usize::try_from(offset).ok()?)?;
+        let stride = stride.unwrap_or(size);
         if stride < size {
             return None;
         }
@@ -198,19 +186,13 @@ impl Document {
     }
 
     /// Sparse elements whose indices are all below `count`.
-    fn sparse(
-        &self,
-        json: &gltf::json::accessor::sparse::Sparse,
-        count: usize,
-        size: usize,
-    ) -> Option<Sparse> {
-        let Checked::Valid(index_type) = json.indices.component_type else { return None };
-        let index_type = index_type.0;
-        let replaced = usize::try_from(json.count.0).ok()?;
-        let view = json.indices.buffer_view.value();
-        let indices = self.window(view, json.indices.byte_offset.0, replaced, index_type.size())?;
-        let view = json.values.buffer_view.value();
-        let values = self.window(view, json.values.byte_offset.0, replaced, size)?;
+    fn sparse(&self, json: &JsonSparse, count: usize, size: usize) -> Option<Sparse> {
+        let index_type = ComponentType::of(json.indices.component_type)?;
+        let replaced = usize::try_from(json.count).ok()?;
+        let JsonSparse { indices, values, .. } = json;
+        let indices =
+            self.window(indices.buffer_view, indices.byte_offset, replaced, index_type.size())?;
+        let values = self.window(values.buffer_view, values.byte_offset, replaced, size)?;
         let bytes = self.buffers[indices.buffer].bytes();
         let inside = (0..replaced).all(|at| {
             let index = component(&bytes[indices.start + at * indices.stride..], index_type);
@@ -218,6 +200,53 @@ impl Document {
         });
         inside.then_some(Sparse { count: replaced, indices, index_type, values })
     }
+}
+
+/// The type of a component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ComponentType {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl ComponentType {
+    /// The type of a number in the JSON.
+    fn of(number: u32) -> Option<Self> {
+        Some(match number {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    /// In bytes.
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+}
+
+/// Components of an element; smaller matrices occur in no mesh.
+fn width_of(kind: &str) -> Option<usize> {
+    Some(match kind {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        "MAT4" => 16,
+        _ => return None,
+    })
 }
 
 /// The component at the start of `bytes`, which binary64 holds exactly whatever its type.

@@ -3,10 +3,9 @@
 use super::super::{Fault, MeshErrorKind};
 use super::accessor::{Accessor, Budget, Document};
 use super::bad;
+use super::json::{Animation as Json, Channel as JsonChannel, Target};
 use super::nodes::{Nodes, unit};
 use glam::{DQuat, DVec3};
-use gltf::json::animation::{Animation as Json, Channel as JsonChannel, Interpolation, Property};
-use gltf::json::validation::Checked;
 
 /// Most frames that one animation is sampled into.
 const MAX_FRAMES: f64 = 500_000.0;
@@ -32,28 +31,50 @@ struct Channel {
     property: Property,
     interpolation: Interpolation,
     /// Ascending, in seconds.
-    times: Vec<f32>,
+    times: Vec<f64>,
     /// `#times × width`; with cubic splines `#times × 3 × width`: in-tangent, value, out-tangent.
-    values: Vec<f32>,
+    values: Vec<f64>,
     width: usize,
 }
 
+/// The properties that move something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Property {
+    Translation,
+    Rotation,
+    Scale,
+    Weights,
+    Visibility,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Interpolation {
+    Linear,
+    Step,
+    CubicSpline,
+}
+
 impl Animation {
+    /// Loads an animation, `None` where it moves nothing, and the number of channels that move
+    /// nothing.
     pub(super) fn load(
         document: &Document,
         nodes: &Nodes,
         json: &Json,
         budget: &mut Budget,
-    ) -> Result<Self, Fault> {
+    ) -> Result<(Option<Self>, u64), Fault> {
         let mut channels = Vec::new();
         for channel in &json.channels {
-            channels.push(Channel::load(document, nodes, json, channel, budget)?);
+            if let Some(moved) = moved_by(&channel.target) {
+                channels.push(Channel::load(document, nodes, (json, channel), moved, budget)?);
+            }
         }
-        let first = |channel: &Channel| channel.times.first().map(|&time| f64::from(time));
-        let last = |channel: &Channel| channel.times.last().map(|&time| f64::from(time));
+        let others = (json.channels.len() - channels.len()) as u64;
+        let first = |channel: &Channel| channel.times.first().copied();
+        let last = |channel: &Channel| channel.times.last().copied();
         let start = channels.iter().filter_map(first).fold(f64::INFINITY, f64::min);
         let end = channels.iter().filter_map(last).fold(start, f64::max);
-        Ok(Self { channels, start, end })
+        Ok(((!channels.is_empty()).then_some(Self { channels, start, end }), others))
     }
 
     /// The number of frames from the first key frame to the last, both included.
@@ -61,9 +82,6 @@ impl Animation {
         if !(frame_rate.is_finite() && frame_rate > 0.0) {
             let what = format!("a frame rate of {frame_rate}");
             return Err(MeshErrorKind::Unsupported(what).into());
-        }
-        if self.channels.is_empty() {
-            return Ok(1);
         }
         let frames = ((self.end - self.start) * frame_rate + ON_KEY_FRAME).floor() + 1.0;
         if frames <= MAX_FRAMES {
@@ -96,30 +114,55 @@ impl Animation {
                 (Property::Rotation, &[x, y, z, w]) => {
                     node.rotation = unit(DQuat::from_xyzw(x, y, z, w));
                 }
+                (Property::Visibility, &[visible]) => node.visible = visible != 0.0,
                 _ => weights[channel.node] = Some(values),
             }
         }
     }
 }
 
+/// The node that an animation moves, and the property; `None` where it moves nothing: a material, a
+/// light, a camera.
+fn moved_by(target: &Target) -> Option<(usize, Property)> {
+    let pointer = target.extensions.get("KHR_animation_pointer");
+    let (node, path) = match pointer.and_then(|object| object.get("pointer")?.as_str()) {
+        None => (target.node?, target.path.as_str()),
+        Some(pointer) => {
+            let (node, path) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+            (node.parse().ok()?, path)
+        }
+    };
+    let property = match path {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        "weights" => Property::Weights,
+        "extensions/KHR_node_visibility/visible" => Property::Visibility,
+        _ => return None,
+    };
+    Some((node, property))
+}
+
 impl Channel {
     fn load(
         document: &Document,
         nodes: &Nodes,
-        animation: &Json,
-        json: &JsonChannel,
+        (animation, json): (&Json, &JsonChannel),
+        (node, property): (usize, Property),
         budget: &mut Budget,
     ) -> Result<Self, Fault> {
-        let node = json.target.node.value();
-        if nodes.nodes.get(node).is_none_or(|node| node.matrix.is_some()) {
+        let places = !matches!(property, Property::Weights | Property::Visibility);
+        if nodes.nodes.get(node).is_none_or(|node| places && node.matrix.is_some()) {
             return Err(bad(format!("an animation moves node {node}, which cannot be moved")));
         }
-        let sampler = animation.samplers.get(json.sampler.value());
+        let sampler = animation.samplers.get(json.sampler);
         let sampler = sampler.ok_or_else(|| bad("an animation has no such sampler"))?;
-        let (Checked::Valid(property), Checked::Valid(interpolation)) =
-            (json.target.path, sampler.interpolation)
-        else {
-            return Err(bad("an animation of an unknown kind"));
+        let interpolation = match sampler.interpolation.as_deref() {
+            _ if property == Property::Visibility => Interpolation::Step,
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::CubicSpline,
+            Some(_) => return Err(bad("an animation of an unknown kind")),
         };
         let times = Accessor::open_wide(document, sampler.input, 1, budget)?.read(document);
         if !times.iter().all(|time| time.is_finite()) || !times.is_sorted() || times.is_empty() {
@@ -131,7 +174,8 @@ impl Channel {
         let right = match property {
             Property::Translation | Property::Scale => width == 3,
             Property::Rotation => width == 4,
-            Property::MorphTargetWeights => width > 0,
+            Property::Weights => width > 0,
+            Property::Visibility => width == 1,
         };
         if !right || width * keys != values.len() {
             return Err(bad("an animation has not one value per key frame"));
@@ -143,13 +187,13 @@ impl Channel {
     /// Steps count as reached `tolerance` seconds earlier.
     fn at(&self, time: f64, tolerance: f64) -> Vec<f64> {
         let tolerance = if self.interpolation == Interpolation::Step { tolerance } else { 0.0 };
-        let after = self.times.partition_point(|&key| f64::from(key) <= time + tolerance);
+        let after = self.times.partition_point(|&key| key <= time + tolerance);
         let before = after.saturating_sub(1);
         let last = self.times.len() - 1;
         if after == 0 || before == last || self.interpolation == Interpolation::Step {
             return self.key(before);
         }
-        let (from, to) = (f64::from(self.times[before]), f64::from(self.times[after]));
+        let (from, to) = (self.times[before], self.times[after]);
         let span = to - from;
         let s = ((time - from) / span).clamp(0.0, 1.0);
         match (self.interpolation, self.property) {
@@ -168,7 +212,7 @@ impl Channel {
     }
 
     fn row(&self, row: usize) -> Vec<f64> {
-        self.values[row * self.width..][..self.width].iter().map(|&v| f64::from(v)).collect()
+        self.values[row * self.width..][..self.width].to_vec()
     }
 
     /// The cubic Hermite spline from key frame `key` to the next, which is `span` seconds later.
@@ -205,11 +249,11 @@ fn slerp(a: &[f64], b: &[f64], s: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn channel(interpolation: Interpolation, values: &[f32]) -> Channel {
+    fn channel(interpolation: Interpolation, values: &[f64]) -> Channel {
         let times = vec![1.0, 2.0, 4.0];
         let keys = if interpolation == Interpolation::CubicSpline { 9 } else { 3 };
         let width = values.len() / keys;
-        let property = if width == 4 { Property::Rotation } else { Property::MorphTargetWeights };
+        let property = if width == 4 { Property::Rotation } else { Property::Weights };
         Channel { node: 0, property, interpolation, times, values: values.to_vec(), width }
     }
 
@@ -238,7 +282,7 @@ mod tests {
 
     #[test]
     fn rotations_turn_evenly_on_the_shorter_arc() {
-        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let half = std::f64::consts::FRAC_1_SQRT_2;
         // No turn, a quarter turn about x, the same with the other sign.
         let keys = [0.0, 0.0, 0.0, 1.0, half, 0.0, 0.0, half, -half, 0.0, 0.0, -half];
         let turn = channel(Interpolation::Linear, &keys);
@@ -246,6 +290,6 @@ mod tests {
         let expected = [(std::f64::consts::PI / 12.0).sin(), (std::f64::consts::PI / 12.0).cos()];
         assert!((third[0] - expected[0]).abs() < 1e-7 && (third[3] - expected[1]).abs() < 1e-7);
         let still = turn.at(3.0, 0.0);
-        assert!((still[0] - f64::from(half)).abs() < 1e-7, "{still:?}");
+        assert!((still[0] - half).abs() < 1e-7, "{still:?}");
     }
 }

@@ -2,8 +2,11 @@
 
 use super::super::read::read_file;
 use super::super::{Fault, MeshErrorKind};
-use super::bad;
-use gltf::json::Root;
+use super::json::{self, Buffer as JsonBuffer, Root};
+use super::{bad, requirements};
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::ops::Range;
 use std::path::{Component, Path};
 
@@ -14,6 +17,11 @@ pub(super) struct Buffer {
 }
 
 impl Buffer {
+    /// A buffer that is not in a file.
+    pub(super) fn new(bytes: Vec<u8>) -> Self {
+        Self { range: 0..bytes.len(), file: bytes }
+    }
+
     pub(super) fn bytes(&self) -> &[u8] {
         &self.file[self.range.clone()]
     }
@@ -23,30 +31,38 @@ impl Buffer {
 pub(super) fn open(bytes: Vec<u8>, folder: &Path) -> Result<(Root, Vec<Buffer>), Fault> {
     let (json, mut binary) =
         if bytes.starts_with(b"glTF") { split_glb(&bytes)? } else { (0..bytes.len(), None) };
-    let root: Root = gltf::json::deserialize::from_slice(&bytes[json])
-        .map_err(|error| bad(format!("JSON {error}")))?;
-    check_extensions(&root)?;
+    let tree = json::parse(&bytes[json])?;
+    requirements::check_version(&tree)?;
+    requirements::check_extensions(&tree)?;
+    let root: Root = json::structure(tree)?;
 
     let mut file = Some(bytes);
     let mut buffers = Vec::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let loaded = match &buffer.uri {
-            Some(uri) => {
-                let file = load_uri(uri, folder)?;
-                Buffer { range: 0..file.len(), file }
+            Some(uri) => Buffer::new(load_uri(uri, folder)?),
+            None if stands_for_compressed(buffer) => {
+                buffers.push(Buffer::new(Vec::new()));
+                continue;
             }
             None => match (index, binary.take(), file.take()) {
                 (0, Some(range), Some(file)) => Buffer { file, range },
                 _ => return Err(bad(format!("buffer {index} has no data"))),
             },
         };
-        if (loaded.bytes().len() as u64) < buffer.byte_length.0 {
-            let what = format!("glTF buffer {index} should have {} bytes", buffer.byte_length.0);
+        if (loaded.bytes().len() as u64) < buffer.byte_length {
+            let what = format!("glTF buffer {index} should have {} bytes", buffer.byte_length);
             return Err(MeshErrorKind::Truncated(what).into());
         }
         buffers.push(loaded);
     }
     Ok((root, buffers))
+}
+
+/// Whether a buffer only says how long the data would be that compressed views hold.
+fn stands_for_compressed(buffer: &JsonBuffer) -> bool {
+    let fallback = |name| buffer.extensions.get(name).is_some_and(|it| it["fallback"] == true);
+    ["EXT_meshopt_compression", "KHR_meshopt_compression"].into_iter().any(fallback)
 }
 
 /// Finds the JSON chunk of a GLB file and, if there is one, its binary chunk.
@@ -59,49 +75,48 @@ fn split_glb(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), Fault
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(truncated("GLB header"));
     };
-    if version != 2 {
-        return Err(bad(format!("GLB version {version} is not 2")));
+    match version {
+        1 => return Err(MeshErrorKind::Unsupported(requirements::GLTF_1.into()).into()),
+        2 => {}
+        _ => return Err(bad(format!("GLB version {version} is not 2"))),
     }
     let length = length as usize;
     if length > bytes.len() {
         return Err(truncated("GLB chunks"));
     }
     // A chunk is its length, its kind and its bytes.
-    let chunk = |at: usize, kind: &[u8; 4]| {
+    let chunk = |at: usize| {
         let size = word(at)? as usize;
         let range = at + 8..(at + 8).checked_add(size)?;
-        (bytes.get(at + 4..at + 8)? == kind && range.end <= length).then_some(range)
+        let kind = bytes.get(at + 4..at + 8)?;
+        (range.end <= length).then_some((kind, range))
     };
-    let json = chunk(12, b"JSON").ok_or_else(|| truncated("GLB's JSON chunk"))?;
-    let binary_start = json.end.next_multiple_of(4);
-    if binary_start >= length {
-        return Ok((json, None));
+    let is = |name: &'static [u8]| move |found: &(&[u8], Range<usize>)| found.0 == name;
+    let json = chunk(12).filter(is(b"JSON")).ok_or_else(|| truncated("GLB's JSON chunk"))?.1;
+    // Chunks begin at multiples of four. Some writers forget that after the JSON.
+    let starts = [json.end, json.end.next_multiple_of(4)];
+    let binary = starts.into_iter().filter_map(chunk).find(is(b"BIN\0"));
+    match binary {
+        Some((_, range)) => Ok((json, Some(range))),
+        None if starts[1] + 8 > length || chunk(starts[1]).is_some() => Ok((json, None)),
+        None => Err(truncated("GLB's binary chunk")),
     }
-    let binary = chunk(binary_start, b"BIN\0").ok_or_else(|| truncated("GLB's binary chunk"))?;
-    Ok((json, Some(binary)))
 }
 
-/// Refuses files that cannot be understood without an extension that is not supported here.
-/// Materials, textures and lights are not carried in any case, whatever their extension.
-fn check_extensions(root: &Root) -> Result<(), Fault> {
-    let harmless = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_"];
-    for extension in &root.extensions_required {
-        let known = extension == "KHR_mesh_quantization"
-            || harmless.iter().any(|prefix| extension.starts_with(prefix));
-        if !known {
-            let what = format!("the file requires the glTF extension {}", extension.escape_debug());
-            return Err(MeshErrorKind::Unsupported(what).into());
-        }
-    }
-    Ok(())
-}
+/// Base64 as writers have it, with padding or without.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
 
 /// The bytes behind a URI: base64 data in it, or a file below `folder`.
 fn load_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Fault> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded.as_bytes());
         return encoded
-            .and_then(decode_base64)
+            .and_then(|encoded| BASE64.decode(encoded).ok())
             .ok_or_else(|| bad("a data URI is not valid base64"));
     }
     let name = decode_percent(uri).ok_or_else(|| bad("a buffer's URI is not valid"))?;
@@ -131,38 +146,12 @@ fn decode_percent(uri: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-fn decode_base64(encoded: &[u8]) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(encoded.len() / 4 * 3);
-    let (mut bits, mut count) = (0u32, 0);
-    for symbol in encoded {
-        let value = match symbol {
-            b'A'..=b'Z' => symbol - b'A',
-            b'a'..=b'z' => symbol - b'a' + 26,
-            b'0'..=b'9' => symbol - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            b'=' => break,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-        }
-    }
-    Some(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn base64_and_percent_decode() {
-        assert_eq!(decode_base64(b"aGVsbG8="), Some(b"hello".to_vec()));
-        assert_eq!(decode_base64(b"/+8"), Some(vec![0xFF, 0xEF]));
-        assert_eq!(decode_base64(b"a b"), None);
+    fn percent_decodes() {
         assert_eq!(decode_percent("my%20mesh.bin").as_deref(), Some("my mesh.bin"));
         assert_eq!(decode_percent("100%"), None);
         assert_eq!(decode_percent("%zz"), None);

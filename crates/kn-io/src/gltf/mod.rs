@@ -1,15 +1,19 @@
 //! glTF 2.0: meshes, skins, morph targets and animations in; meshes and their sequences out.
 //!
-//! The JSON is the gltf crate's; its accessor readers and its validation are not used, because
-//! on broken files they panic (`docs/notes/reading-scans.md`): every index and range is checked
-//! here.
+//! The gltf crate does not read the files: its JSON types refuse much of what writers write, hold the
+//! places of nodes in binary32, and its accessor readers panic on broken files
+//! (`docs/notes/reading-scans.md`). Every index and range is checked here.
 
 mod accessor;
 mod animation;
 mod container;
+mod instances;
+mod json;
 mod nodes;
 mod pose;
+mod requirements;
 mod scene;
+mod views;
 mod write;
 
 pub(super) use scene::Scene;

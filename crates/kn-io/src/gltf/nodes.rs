@@ -1,9 +1,9 @@
 //! The tree of nodes: who hangs below whom, and where a pose puts them in the world.
 
 use super::super::Fault;
-use super::bad;
+use super::json::{self, Root};
+use super::{bad, requirements};
 use glam::{DMat4, DQuat, DVec3};
-use gltf::json::Root;
 
 /// A node's place relative to its parent.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,8 @@ pub(super) struct Node {
     pub(super) translation: DVec3,
     pub(super) rotation: DQuat,
     pub(super) scale: DVec3,
+    /// Whether the node and those below it are drawn.
+    pub(super) visible: bool,
 }
 
 impl Node {
@@ -37,7 +39,7 @@ impl Nodes {
     pub(super) fn load(root: &Root) -> Result<Self, Fault> {
         let mut nodes: Vec<Node> = root.nodes.iter().map(at_rest).collect();
         for (parent, json) in root.nodes.iter().enumerate() {
-            for child in children(json) {
+            for &child in &json.children {
                 let Some(node) = nodes.get_mut(child) else {
                     return Err(bad(format!("node {child} does not exist")));
                 };
@@ -57,23 +59,33 @@ impl Nodes {
 
     /// The nodes of the default scene in depth-first order; all nodes where there is no scene.
     pub(super) fn of_default_scene(&self, root: &Root) -> Result<Vec<usize>, Fault> {
-        let number = root.scene.map_or(0, |scene| scene.value());
+        let number = root.scene.unwrap_or(0);
         let Some(scene) = root.scenes.get(number) else {
             return match root.scene {
                 Some(_) => Err(bad(format!("scene {number} does not exist"))),
                 None => Ok(self.parents_first.clone()),
             };
         };
-        let roots: Vec<usize> = scene.nodes.iter().map(|node| node.value()).collect();
+        let roots = &scene.nodes;
         let mut listed = vec![false; self.nodes.len()];
-        for &node in &roots {
+        for &node in roots {
             // A node listed twice, or below a listed one, would be drawn twice.
             let is_root = self.nodes.get(node).is_some_and(|node| node.parent.is_none());
             if !is_root || std::mem::replace(&mut listed[node], true) {
                 return Err(bad(format!("node {node} is not a root of scene {number}")));
             }
         }
-        Ok(depth_first(root, &roots))
+        Ok(depth_first(root, roots))
+    }
+
+    /// Whether each node is drawn: it and all above it are visible.
+    pub(super) fn drawn(&self) -> Vec<bool> {
+        let mut drawn = vec![true; self.nodes.len()];
+        for &node in &self.parents_first {
+            let Node { visible, parent, .. } = self.nodes[node];
+            drawn[node] = visible && parent.is_none_or(|parent| drawn[parent]);
+        }
+        drawn
     }
 
     /// The matrix from every node to the world.
@@ -90,30 +102,26 @@ impl Nodes {
     }
 }
 
-fn children(json: &gltf::json::Node) -> impl DoubleEndedIterator<Item = usize> {
-    json.children.iter().flatten().map(|child| child.value())
-}
-
 /// The nodes below `roots`; ends on any graph in which no node has two parents.
 fn depth_first(root: &Root, roots: &[usize]) -> Vec<usize> {
     let mut order = Vec::new();
     let mut stack: Vec<usize> = roots.iter().rev().copied().collect();
     while let Some(node) = stack.pop() {
         order.push(node);
-        stack.extend(children(&root.nodes[node]).rev());
+        stack.extend(root.nodes[node].children.iter().rev());
     }
     order
 }
 
 /// A node as the file has it, without its parent.
-fn at_rest(json: &gltf::json::Node) -> Node {
-    let rotation = json.rotation.unwrap_or_default().0.map(f64::from);
+fn at_rest(json: &json::Node) -> Node {
     Node {
         parent: None,
-        matrix: json.matrix.map(|columns| DMat4::from_cols_array(&columns.map(f64::from))),
-        translation: DVec3::from_array(json.translation.unwrap_or([0.0; 3]).map(f64::from)),
-        rotation: unit(DQuat::from_array(rotation)),
-        scale: DVec3::from_array(json.scale.unwrap_or([1.0; 3]).map(f64::from)),
+        matrix: json.matrix.map(|columns| DMat4::from_cols_array(&columns)),
+        translation: DVec3::from_array(json.translation.unwrap_or([0.0; 3])),
+        rotation: unit(json.rotation.map_or(DQuat::IDENTITY, DQuat::from_array)),
+        scale: DVec3::from_array(json.scale.unwrap_or([1.0; 3])),
+        visible: requirements::visible(&json.extensions),
     }
 }
 

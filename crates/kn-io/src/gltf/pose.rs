@@ -32,31 +32,18 @@ impl Scene {
     /// All visible parts in world space, one after the other.
     fn posed(&self, nodes: &Nodes, weights: &[Option<Vec<f64>>]) -> Parsed {
         let mut parsed = Parsed { notes: self.notes.clone(), ..Parsed::default() };
-        let world = nodes.to_world();
-        for part in &self.parts {
-            let skin = part.skin.map(|skin| &self.skins[skin]);
-            let to_world = world[part.node];
-            // A node scaled to nothing is how glTF hides an object for a while.
-            if skin.is_none() && DMat3::from_mat4(to_world) == DMat3::ZERO {
-                continue;
-            }
+        let (world, drawn) = (nodes.to_world(), nodes.drawn());
+        for part in self.parts.iter().filter(|part| drawn[part.node]) {
             let weights = weights[part.node].as_ref().unwrap_or(&part.rest_weights);
             let morphed = self.morphed(part, weights);
-            let first = parsed.mesh.positions.len() as u32;
-            match skin {
-                Some(skin) => {
-                    parsed.mesh.positions.extend(skinned(part, &morphed, skin, &world));
-                }
+            match part.skin.map(|skin| &self.skins[skin]) {
+                Some(skin) => add(part, skinned(part, &morphed, skin, &world), false, &mut parsed),
                 None => {
-                    let place = |p: &DVec3| to_world.transform_point3(*p).as_vec3().to_array();
-                    parsed.mesh.positions.extend(morphed.iter().map(place));
+                    for instance in &part.instances {
+                        add_placed(part, &morphed, world[part.node] * *instance, &mut parsed);
+                    }
                 }
             }
-            let mirrored = skin.is_none() && DMat3::from_mat4(to_world).determinant() < 0.0;
-            let moved = part.faces.iter().map(|face| face.map(|vertex| first + vertex));
-            let turned = moved.map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
-            parsed.mesh.faces.extend(turned);
-            parsed.colours.extend_from_slice(&part.colours);
         }
         parsed
     }
@@ -64,16 +51,41 @@ impl Scene {
     /// The positions of a part with its morph targets added by their weights.
     fn morphed(&self, part: &Part, weights: &[f64]) -> Vec<DVec3> {
         let mut positions: Vec<DVec3> =
-            part.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+            part.positions.iter().map(|p| DVec3::from_array(*p)).collect();
         for (target, &weight) in part.targets.iter().zip(weights) {
             let Some(target) = target.as_ref().filter(|_| weight != 0.0) else { continue };
             for (position, offset) in positions.iter_mut().zip(target.read_vectors(&self.document))
             {
-                *position += DVec3::from_array(offset.map(f64::from)) * weight;
+                *position += DVec3::from_array(offset) * weight;
             }
         }
         positions
     }
+}
+
+/// Adds a part to the mesh where `to_world` moves it.
+fn add_placed(part: &Part, positions: &[DVec3], to_world: DMat4, parsed: &mut Parsed) {
+    let turn = DMat3::from_mat4(to_world);
+    // A node scaled to nothing is how glTF hides an object for a while.
+    if turn != DMat3::ZERO {
+        let placed = positions.iter().map(|p| to_world.transform_point3(*p).to_array());
+        add(part, placed, turn.determinant() < 0.0, parsed);
+    }
+}
+
+/// Adds a part to the mesh, with its vertices at `positions`.
+fn add(
+    part: &Part,
+    positions: impl Iterator<Item = [f64; 3]>,
+    mirrored: bool,
+    parsed: &mut Parsed,
+) {
+    let first = parsed.mesh.positions.len() as u32;
+    parsed.mesh.positions.extend(positions);
+    let moved = part.faces.iter().map(|face| face.map(|vertex| first + vertex));
+    let turned = moved.map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+    parsed.mesh.faces.extend(turned);
+    parsed.colours.extend_from_slice(&part.colours);
 }
 
 /// The positions that the joints of a skin move to. The node of a skinned mesh does not move it.
@@ -82,7 +94,7 @@ fn skinned<'a>(
     positions: &'a [DVec3],
     skin: &Skin,
     world: &[DMat4],
-) -> impl Iterator<Item = [f32; 3]> + 'a {
+) -> impl Iterator<Item = [f64; 3]> + 'a {
     let joints: Vec<DMat4> = skin
         .joints
         .iter()
@@ -94,7 +106,7 @@ fn skinned<'a>(
         let mut sum = DVec3::ZERO;
         let mut total = 0.0;
         for at in vertex * influences..(vertex + 1) * influences {
-            let weight = f64::from(part.joint_weights[at]);
+            let weight = part.joint_weights[at];
             if weight != 0.0 {
                 sum += joints[part.joints[at] as usize].transform_point3(position) * weight;
                 total += weight;
@@ -102,6 +114,6 @@ fn skinned<'a>(
         }
         // Weights stored in few bits do not add up to 1 exactly; those of no joint stay put.
         let placed = if total > 0.0 { sum / total } else { position };
-        placed.as_vec3().to_array()
+        placed.to_array()
     })
 }

@@ -4,12 +4,10 @@
 use super::super::{Fault, MeshErrorKind, Place, ReadNotes};
 use super::accessor::{Accessor, Budget, Document};
 use super::animation::Animation;
+use super::json::{self, Mesh as JsonMesh, Primitive, Root};
 use super::nodes::Nodes;
-use super::{bad, container};
+use super::{bad, container, instances, requirements, views};
 use glam::DMat4;
-use gltf::json::mesh::{Mesh as JsonMesh, Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::Path;
@@ -21,6 +19,7 @@ pub(in super::super) struct Scene {
     pub(super) skins: Vec<Skin>,
     /// In depth-first order of their nodes, then in the order of the mesh's primitives.
     pub(super) parts: Vec<Part>,
+    /// Those that move nodes.
     pub(super) animations: Vec<Animation>,
     pub(super) notes: ReadNotes,
 }
@@ -36,14 +35,16 @@ pub(super) struct Skin {
 pub(super) struct Part {
     pub(super) node: usize,
     pub(super) skin: Option<usize>,
-    pub(super) positions: Vec<[f32; 3]>,
+    /// Places of the copies, relative to the node.
+    pub(super) instances: Vec<DMat4>,
+    pub(super) positions: Vec<[f64; 3]>,
     /// Displacements, read when a frame needs them.
     pub(super) targets: Vec<Option<Accessor>>,
     /// One per target, where no animation says otherwise.
     pub(super) rest_weights: Vec<f64>,
     /// `#V × influences` joints of the skin and their weights; empty without a skin.
     pub(super) joints: Vec<u32>,
-    pub(super) joint_weights: Vec<f32>,
+    pub(super) joint_weights: Vec<f64>,
     pub(super) faces: Vec<[u32; 3]>,
     /// `#V × 3`, 0 to 255, or empty.
     pub(super) colours: Vec<[f32; 3]>,
@@ -52,11 +53,12 @@ pub(super) struct Part {
 impl Scene {
     /// Loads a GLB or glTF file; its buffers lie in it or in `folder`.
     pub(in super::super) fn load(bytes: Vec<u8>, folder: &Path) -> Result<Self, Fault> {
-        let (root, buffers) = container::open(bytes, folder)?;
+        let (root, mut buffers) = container::open(bytes, folder)?;
         let nodes = Nodes::load(&root)?;
-        let document = Document { root, buffers };
-        let mut loader =
-            Loader { document: &document, budget: Budget::default(), notes: ReadNotes::default() };
+        let mut budget = Budget::default();
+        let views = views::load(&root, &mut buffers, &mut budget)?;
+        let document = Document { root, buffers, views };
+        let mut loader = Loader { document: &document, budget, notes: ReadNotes::default() };
         let mut parts = Vec::new();
         for node in nodes.of_default_scene(&document.root)? {
             loader.load_node(node, &mut parts)?;
@@ -65,29 +67,31 @@ impl Scene {
         note_assets(&document.root, &mut notes);
         let skins = load_skins(&document, &nodes, &mut budget)?;
         check_skins(&parts, &skins)?;
-        let animations = document.root.animations.iter();
-        let animations: Result<_, _> =
-            animations.map(|json| Animation::load(&document, &nodes, json, &mut budget)).collect();
-        let animations = animations?;
+        let mut animations = Vec::new();
+        for json in &document.root.animations {
+            let (animation, others) = Animation::load(&document, &nodes, json, &mut budget)?;
+            animations.extend(animation);
+            notes.ignore("animated properties that move nothing", others);
+        }
         Ok(Self { document, nodes, skins, parts, animations, notes })
     }
 
     /// The number of animations in the file.
     pub(in super::super) fn animation_count(&self) -> usize {
-        self.animations.len()
+        self.document.root.animations.len()
     }
 }
 
 fn note_assets(root: &Root, notes: &mut ReadNotes) {
-    notes.ignore("materials", root.materials.len() as u64);
-    notes.ignore("textures", root.textures.len() as u64);
-    notes.ignore("cameras", root.cameras.len() as u64);
+    notes.ignore("materials", json::count(&root.materials));
+    notes.ignore("textures", json::count(&root.textures));
+    notes.ignore("cameras", json::count(&root.cameras));
 }
 
 fn load_skins(document: &Document, nodes: &Nodes, budget: &mut Budget) -> Result<Vec<Skin>, Fault> {
     let mut skins = Vec::new();
     for json in &document.root.skins {
-        let joints: Vec<usize> = json.joints.iter().map(|joint| joint.value()).collect();
+        let joints = json.joints.clone();
         if joints.iter().any(|&joint| joint >= nodes.nodes.len()) {
             return Err(bad("a skin has a joint that does not exist"));
         }
@@ -106,8 +110,8 @@ fn load_skins(document: &Document, nodes: &Nodes, budget: &mut Budget) -> Result
     Ok(skins)
 }
 
-fn matrix(columns: &[f32]) -> DMat4 {
-    DMat4::from_cols_array(&std::array::from_fn(|at| f64::from(columns[at])))
+fn matrix(columns: &[f64]) -> DMat4 {
+    DMat4::from_cols_array(&std::array::from_fn(|at| columns[at]))
 }
 
 fn check_skins(parts: &[Part], skins: &[Skin]) -> Result<(), Fault> {
@@ -132,11 +136,12 @@ impl Loader<'_> {
         let root = &self.document.root;
         let json = &root.nodes[node];
         let Some(mesh) = json.mesh else { return Ok(()) };
-        let mesh = root.meshes.get(mesh.value());
+        let mesh = root.meshes.get(mesh);
         let mesh = mesh.ok_or_else(|| bad(format!("the mesh of node {node} does not exist")))?;
         let first = parts.len();
         let mut owners = BTreeMap::new();
         for primitive in &mesh.primitives {
+            requirements::check_primitive(root, primitive)?;
             let Some(faces) = self.load_faces(primitive)? else { continue };
             // Primitives that differ in material only use the same vertices.
             let part = match owners.entry(vertices_of(primitive)) {
@@ -148,18 +153,26 @@ impl Loader<'_> {
             };
             parts[part].faces.extend(faces);
         }
-        parts[first..].iter().try_for_each(check_faces)
+        for part in &parts[first..] {
+            check_faces(part)?;
+            let numbers = 3 * (part.positions.len() + part.faces.len()) as u64;
+            self.budget.spend(numbers.saturating_mul(part.instances.len() as u64 - 1))?;
+        }
+        Ok(())
     }
 
     /// The triangles of a primitive; `None` where it has none (points and lines).
     fn load_faces(&mut self, primitive: &Primitive) -> Result<Option<Vec<[u32; 3]>>, Fault> {
-        let Checked::Valid(mode) = primitive.mode else {
-            return Err(bad("a primitive has an unknown mode"));
+        let mode = match primitive.mode.unwrap_or(4) {
+            0..=3 => {
+                self.notes.ignore("primitives of points or lines", 1);
+                return Ok(None);
+            }
+            4 => Mode::Triangles,
+            5 => Mode::TriangleStrip,
+            6 => Mode::TriangleFan,
+            _ => return Err(bad("a primitive has an unknown mode")),
         };
-        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-            self.notes.ignore("primitives of points or lines", 1);
-            return Ok(None);
-        }
         let indices = match primitive.indices {
             Some(index) => {
                 let accessor = self.open(index, 1)?;
@@ -169,7 +182,7 @@ impl Loader<'_> {
                 accessor.read_integers(self.document)
             }
             None => {
-                let count = self.open(attribute(primitive, Semantic::Positions)?, 3)?.count;
+                let count = self.open(attribute(primitive, "POSITION")?, 3)?.count;
                 (0..count as u32).collect()
             }
         };
@@ -183,18 +196,17 @@ impl Loader<'_> {
         primitive: &Primitive,
     ) -> Result<Part, Fault> {
         let json = &self.document.root.nodes[node];
-        let positions = self.open(attribute(primitive, Semantic::Positions)?, 3)?;
+        let positions = self.open(attribute(primitive, "POSITION")?, 3)?;
         let count = positions.count;
         let mut targets = Vec::new();
-        for target in primitive.targets.iter().flatten() {
-            let accessor = target.positions.map(|index| self.open(index, 3)).transpose()?;
+        for target in &primitive.targets {
+            let accessor = target.get("POSITION").map(|&index| self.open(index, 3)).transpose()?;
             if accessor.as_ref().is_some_and(|accessor| accessor.count != count) {
                 return Err(bad("a morph target has not one vector per vertex"));
             }
             targets.push(accessor);
         }
         let weights = json.weights.as_ref().or(mesh.weights.as_ref());
-        let rest_weights = weights.iter().flat_map(|weights| weights.iter());
         let (joints, joint_weights) = match json.skin {
             Some(_) => self.load_influences(primitive, count)?,
             None => (Vec::new(), Vec::new()),
@@ -202,10 +214,11 @@ impl Loader<'_> {
         self.note_attributes(primitive, count);
         Ok(Part {
             node,
-            skin: json.skin.map(|skin| skin.value()),
+            skin: json.skin,
+            instances: instances::load(self.document, json, &mut self.budget)?,
             positions: positions.read_vectors(self.document),
             targets,
-            rest_weights: rest_weights.map(|&weight| f64::from(weight)).collect(),
+            rest_weights: weights.cloned().unwrap_or_default(),
             joints,
             joint_weights,
             faces: Vec::new(),
@@ -218,12 +231,12 @@ impl Loader<'_> {
         &mut self,
         primitive: &Primitive,
         count: usize,
-    ) -> Result<(Vec<u32>, Vec<f32>), Fault> {
+    ) -> Result<(Vec<u32>, Vec<f64>), Fault> {
         let mut sets = Vec::new();
         for set in 0.. {
-            let Ok(joints) = attribute(primitive, Semantic::Joints(set)) else { break };
+            let Ok(joints) = attribute(primitive, &format!("JOINTS_{set}")) else { break };
             let joints = self.open(joints, 4)?;
-            let weights = self.open(attribute(primitive, Semantic::Weights(set))?, 4)?;
+            let weights = self.open(attribute(primitive, &format!("WEIGHTS_{set}"))?, 4)?;
             if joints.count != count || weights.count != count || !joints.is_unsigned() {
                 return Err(bad("joints and weights are not four per vertex"));
             }
@@ -247,53 +260,45 @@ impl Loader<'_> {
         primitive: &Primitive,
         count: usize,
     ) -> Result<Vec<[f32; 3]>, Fault> {
-        let Ok(index) = attribute(primitive, Semantic::Colors(0)) else { return Ok(Vec::new()) };
+        let Ok(index) = attribute(primitive, "COLOR_0") else { return Ok(Vec::new()) };
         let accessor = Accessor::open(self.document, index, &mut self.budget)?;
         let width = accessor.width;
         if !(3..=4).contains(&width) || accessor.count != count {
             return Err(bad("colours are not one per vertex"));
         }
         let values = accessor.read(self.document);
-        let colour = |c: &[f32]| [c[0] * 255.0, c[1] * 255.0, c[2] * 255.0];
+        let colour = |c: &[f64]| [c[0], c[1], c[2]].map(|channel| (channel * 255.0) as f32);
         Ok(values.chunks_exact(width).map(colour).collect())
     }
 
     fn note_attributes(&mut self, primitive: &Primitive, count: usize) {
-        for semantic in primitive.attributes.keys() {
-            let what = match semantic {
-                Checked::Valid(Semantic::Normals) => "normals",
-                Checked::Valid(Semantic::Tangents) => "tangents",
-                Checked::Valid(Semantic::TexCoords(_)) => "texture coordinates",
-                Checked::Valid(Semantic::Colors(set)) if *set > 0 => "further colours",
-                Checked::Invalid => "custom attributes",
-                _ => continue,
+        for name in primitive.attributes.keys() {
+            let what = match name.split('_').next().unwrap_or_default() {
+                "NORMAL" => "normals",
+                "TANGENT" => "tangents",
+                "TEXCOORD" => "texture coordinates",
+                "COLOR" if name != "COLOR_0" => "further colours",
+                "POSITION" | "COLOR" | "JOINTS" | "WEIGHTS" => continue,
+                _ => "custom attributes",
             };
             self.notes.ignore(what, count as u64);
         }
     }
 
-    fn open(
-        &mut self,
-        index: Index<gltf::json::Accessor>,
-        width: usize,
-    ) -> Result<Accessor, Fault> {
+    fn open(&mut self, index: usize, width: usize) -> Result<Accessor, Fault> {
         Accessor::open_wide(self.document, index, width, &mut self.budget)
     }
 }
 
-fn attribute(
-    primitive: &Primitive,
-    semantic: Semantic,
-) -> Result<Index<gltf::json::Accessor>, Fault> {
-    let name = Checked::Valid(semantic);
-    let found = primitive.attributes.get(&name);
-    found.copied().ok_or_else(|| bad(format!("a primitive has no {}", name.to_string())))
+/// The accessor of an attribute.
+fn attribute(primitive: &Primitive, name: &str) -> Result<usize, Fault> {
+    let found = primitive.attributes.get(name);
+    found.copied().ok_or_else(|| bad(format!("a primitive has no {name}")))
 }
 
 /// The accessors that make up the vertices of a primitive.
 fn vertices_of(primitive: &Primitive) -> impl Ord {
-    let targets: Vec<_> =
-        primitive.targets.iter().flatten().map(|target| target.positions).collect();
+    let targets: Vec<_> = primitive.targets.iter().map(|target| target.get("POSITION")).collect();
     (&primitive.attributes, targets)
 }
 
@@ -306,6 +311,14 @@ fn check_faces(part: &Part) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+/// How the indices of a primitive make triangles.
+#[derive(Clone, Copy)]
+enum Mode {
+    Triangles,
+    TriangleStrip,
+    TriangleFan,
 }
 
 /// Cuts lists, strips and fans into triangles of the same turn.

@@ -6,7 +6,8 @@
 
 use super::super::atomic::temporary_beside;
 use super::super::{MeshError, MeshErrorKind, write_atomically};
-use kn_mesh::Mesh;
+use kn_mesh::vec3::sub;
+use kn_mesh::{Mesh, Precision};
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
@@ -28,8 +29,10 @@ const FLOAT: u32 = 5126;
 ///
 /// Frames go to a temporary file beside the output as they come, so that memory holds one mesh
 /// however long the sequence is; nothing is at the output's path before [`GlbWriter::finish`].
-/// The first frame of a run with the same faces is stored exactly, the others as differences
-/// rounded to binary32. Labels are not carried.
+/// Coordinates are binary32. Where the first frame lies so far out that it needs more
+/// ([`Mesh::precision`]), they are relative to the middle of its box, and nodes there move them back.
+/// The first frame of a run with the same faces is stored in these coordinates, the others as
+/// differences from it. Labels are not carried.
 #[derive(Debug)]
 pub struct GlbWriter {
     path: PathBuf,
@@ -41,6 +44,8 @@ pub struct GlbWriter {
     views: Vec<Value>,
     accessors: Vec<Value>,
     runs: Vec<Run>,
+    /// The place of all nodes.
+    origin: [f64; 3],
     /// The first frame of the last run.
     base: Mesh,
 }
@@ -75,6 +80,7 @@ impl GlbWriter {
             views: Vec::new(),
             accessors: Vec::new(),
             runs: Vec::new(),
+            origin: [0.0; 3],
             base: Mesh::default(),
         })
     }
@@ -101,20 +107,23 @@ impl GlbWriter {
     }
 
     fn append(&mut self, frame: usize, mesh: &Mesh) -> io::Result<()> {
+        if self.runs.is_empty() {
+            self.origin = origin_of(mesh);
+        }
         let same = self.base.faces == mesh.faces
             && self.base.positions.len() == mesh.positions.len()
             && self.runs.last().is_some_and(|run| run.targets.len() < MAX_TARGETS);
         if !same {
             let indices = self.write_indices(&mesh.faces)?;
-            let positions = self.write_vectors(mesh.positions.iter().copied(), vertex_view())?;
+            let origin = self.origin;
+            let place = |p: &[f64; 3]| sub(*p, origin).map(|x| x as f32);
+            let positions = self.write_vectors(mesh.positions.iter().map(place), vertex_view())?;
             self.base.clone_from(mesh);
             self.runs.push(Run { frames: frame..frame + 1, positions, indices, targets: vec![] });
             return Ok(());
         }
         let base = std::mem::take(&mut self.base);
-        let offset = |(from, to): (&[f32; 3], &[f32; 3])| {
-            [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
-        };
+        let offset = |(from, to): (&[f64; 3], &[f64; 3])| sub(*to, *from).map(|x| x as f32);
         let offsets = base.positions.iter().zip(&mesh.positions).map(offset);
         let target = self.write_vectors(offsets, vertex_view());
         self.base = base;
@@ -149,7 +158,7 @@ impl GlbWriter {
         let runs = std::mem::take(&mut self.runs);
         let animation = self.write_animation(&runs)?;
         let meshes: Vec<Value> = runs.iter().map(mesh_of).collect();
-        let nodes: Vec<Value> = (0..runs.len()).map(node_of).collect();
+        let nodes: Vec<Value> = (0..runs.len()).map(|run| node_of(run, self.origin)).collect();
         let mut document = json!({
             "asset": { "version": "2.0", "generator": "kn" },
             "scene": 0,
@@ -270,12 +279,25 @@ fn mesh_of(run: &Run) -> Value {
     json!({ "primitives": [primitive], "weights": vec![0.0; run.targets.len()] })
 }
 
-/// Without animation a viewer shows the first run alone.
-fn node_of(run: usize) -> Value {
-    match run {
-        0 => json!({ "mesh": run }),
-        _ => json!({ "mesh": run, "scale": [0.0, 0.0, 0.0] }),
+/// The place that coordinates are relative to. It is a binary32 number too, so that every viewer
+/// has it exactly.
+fn origin_of(mesh: &Mesh) -> [f64; 3] {
+    match (mesh.precision(), mesh.bounding_box()) {
+        (Precision::Double, Some(bounds)) => bounds.middle().map(|x| f64::from(x as f32)),
+        _ => [0.0; 3],
     }
+}
+
+/// Without animation a viewer shows the first run alone.
+fn node_of(run: usize, origin: [f64; 3]) -> Value {
+    let mut node = json!({ "mesh": run });
+    if run > 0 {
+        node["scale"] = json!([0.0, 0.0, 0.0]);
+    }
+    if origin != [0.0; 3] {
+        node["translation"] = json!(origin);
+    }
+    node
 }
 
 /// The weights of a run's targets in each of its frames: none in the first, then one by one.

@@ -2,6 +2,11 @@
 
 use kn_mesh::Mesh;
 
+/// A coordinate as a scanner's file has it: rounded to binary32.
+fn single(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
 /// A stretched sphere of `rings` × `sectors` vertices and two poles, 2 high about the origin.
 pub(crate) fn ellipsoid(rings: u32, sectors: u32) -> Mesh {
     use std::f64::consts::{PI, TAU};
@@ -13,7 +18,7 @@ pub(crate) fn ellipsoid(rings: u32, sectors: u32) -> Mesh {
             let around = TAU * f64::from(sector) / f64::from(sectors);
             let (sin, cos) = (libm::sin(polar), libm::cos(polar));
             let (x, z) = (0.5 * sin * libm::cos(around), 0.3 * sin * libm::sin(around));
-            mesh.positions.push([x as f32, cos as f32, z as f32]);
+            mesh.positions.push([x, cos, z].map(single));
         }
     }
     mesh.positions.push([0.0, -1.0, 0.0]);
@@ -40,7 +45,7 @@ pub(crate) fn torus(around: u32, across: u32) -> Mesh {
             let (u, v) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(across));
             let radius = 1.0 + 0.4 * libm::cos(TAU * v);
             let (x, z) = (radius * libm::cos(TAU * u), radius * libm::sin(TAU * u));
-            mesh.positions.push([x, 0.4 * libm::sin(TAU * v), z].map(|x| x as f32));
+            mesh.positions.push([x, 0.4 * libm::sin(TAU * v), z].map(single));
             let at = |i: u32, j: u32| i % around * across + j % across;
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             mesh.faces.extend([[a, b, c], [a, c, d]]);
@@ -51,7 +56,7 @@ pub(crate) fn torus(around: u32, across: u32) -> Mesh {
 
 /// Labels by height and side: head, torso, left and right thigh.
 pub(crate) fn label(mesh: &mut Mesh) {
-    let label = |[x, y, _]: &[f32; 3]| match (*y, *x) {
+    let label = |[x, y, _]: &[f64; 3]| match (*y, *x) {
         (y, _) if y > 0.6 => 0,
         (y, x) if y < -0.4 => {
             if x >= 0.0 {
@@ -67,13 +72,12 @@ pub(crate) fn label(mesh: &mut Mesh) {
 
 /// The mesh at a time: it drifts, sways more the higher it is, and twists.
 pub(crate) fn moved(mesh: &Mesh, time: f64) -> Mesh {
-    let move_point = |&[x, y, z]: &[f32; 3]| {
-        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+    let move_point = |&[x, y, z]: &[f64; 3]| {
         let angle = 0.1 * time * y;
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         let (x, z) = (cos * x + sin * z, cos * z - sin * x);
         let sway = 0.05 * libm::sin(time) * (1.0 + y);
-        [(x + sway) as f32, (y + 0.02 * time) as f32, (z * (1.0 + 0.05 * time)) as f32]
+        [x + sway, y + 0.02 * time, z * (1.0 + 0.05 * time)].map(single)
     };
     mesh.with_positions(mesh.positions.iter().map(move_point).collect())
 }
@@ -89,7 +93,7 @@ pub(crate) fn opened(mesh: &Mesh) -> Mesh {
 pub(crate) fn twins(mesh: &Mesh) -> Mesh {
     let mut both = mesh.clone();
     let count = mesh.positions.len() as u32;
-    both.positions.extend(mesh.positions.iter().map(|[x, y, z]| [x + 1.5, *y, *z]));
+    both.positions.extend(mesh.positions.iter().map(|[x, y, z]| [single(x + 1.5), *y, *z]));
     both.faces.extend(mesh.faces.iter().map(|face| face.map(|vertex| vertex + count)));
     both.labels.extend_from_slice(&mesh.labels);
     both

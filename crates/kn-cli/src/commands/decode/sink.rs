@@ -3,31 +3,60 @@
 use crate::output::{OutputFolder, folder_of};
 use crate::outputs::Outputs;
 use anyhow::{Context, Result, ensure};
-use kn_io::{GlbWriter, MeshError, write_mesh};
-use kn_mesh::Mesh;
+use kn_io::{GlbWriter, MeshError, write_mesh_in};
+use kn_mesh::{Mesh, Precision};
 use std::collections::HashSet;
 use std::path::Path;
 
 /// Takes decoded frames; nothing is in its place before [`Sink::finish`].
 pub(super) enum Sink {
     /// One file a frame.
-    Files { folder: OutputFolder, names: FileNames, outputs: Outputs, overwrite: bool },
+    Files(Box<Files>),
     /// All frames in one file.
     Animation { folder: OutputFolder, name: String, writer: Box<GlbWriter> },
 }
 
-impl Sink {
-    /// Files of this extension in `folder`; `outputs` knows the inputs, which are never replaced.
-    pub(super) fn files(
+/// One file for each frame.
+pub(super) struct Files {
+    folder: OutputFolder,
+    names: FileNames,
+    /// Knows the inputs, which are never replaced.
+    outputs: Outputs,
+    precision: Precision,
+    overwrite: bool,
+}
+
+impl Files {
+    /// Files of this extension and precision in `folder`.
+    pub(super) fn create(
         folder: &Path,
         extension: &'static str,
+        precision: Precision,
         outputs: Outputs,
         overwrite: bool,
     ) -> Result<Self> {
         let names = FileNames { extension, taken: HashSet::new() };
-        Ok(Self::Files { folder: OutputFolder::create(folder)?, names, outputs, overwrite })
+        let folder = OutputFolder::create(folder)?;
+        Ok(Self { folder, names, outputs, precision, overwrite })
     }
 
+    fn push(&mut self, index: u64, name: Option<String>, mesh: &Mesh) -> Result<()> {
+        let name = self.names.choose(name, index);
+        let target = self.folder.target(&name);
+        self.outputs.inside("--output", &target)?;
+        // Decoded frames have the names of the scans, which may be all that there is.
+        let is_free = self.overwrite || target.symlink_metadata().is_err();
+        ensure!(
+            is_free,
+            "{}: this file is there already; --overwrite replaces it",
+            target.display()
+        );
+        let written = write_mesh_in(&self.folder.place(&name), mesh, self.precision);
+        Ok(written.map_err(|error| at(error, &target).in_frame(index as usize))?)
+    }
+}
+
+impl Sink {
     /// One GLB file that plays at this rate.
     pub(super) fn animation(file: &Path, frame_rate: f64) -> Result<Self> {
         let name = file.file_name().context("the output has no file name")?;
@@ -41,20 +70,7 @@ impl Sink {
     /// Adds a frame; `name` is what the stream calls it.
     pub(super) fn push(&mut self, index: u64, name: Option<String>, mesh: &Mesh) -> Result<()> {
         match self {
-            Self::Files { folder, names, outputs, overwrite } => {
-                let name = names.choose(name, index);
-                let target = folder.target(&name);
-                outputs.inside("--output", &target)?;
-                // Decoded frames have the names of the scans, which may be all that there is.
-                let is_free = *overwrite || target.symlink_metadata().is_err();
-                ensure!(
-                    is_free,
-                    "{}: this file is there already; --overwrite replaces it",
-                    target.display()
-                );
-                let written = write_mesh(&folder.place(&name), mesh);
-                written.map_err(|error| at(error, &target).in_frame(index as usize))?;
-            }
+            Self::Files(files) => files.push(index, name, mesh)?,
             Self::Animation { folder, name, writer } => {
                 writer.push(mesh).map_err(|error| at(error, &folder.target(name)))?;
             }
@@ -65,7 +81,7 @@ impl Sink {
     /// Puts the files in place and returns their number.
     pub(super) fn finish(self) -> Result<usize> {
         match self {
-            Self::Files { folder, .. } => folder.publish(),
+            Self::Files(files) => files.folder.publish(),
             Self::Animation { folder, name, writer } => {
                 writer.finish().map_err(|error| at(error, &folder.target(&name)))?;
                 folder.publish()

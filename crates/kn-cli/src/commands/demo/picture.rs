@@ -28,8 +28,8 @@ pub(super) fn draw(
     let options = CompareOptions::distances();
     let mut errors = Vec::new();
     for &index in &shown {
-        let reference = Surface::of_mesh(&scans[index], &options)?;
-        let surface = Surface::of_mesh(&decoded[index].mesh, &options)?;
+        let reference = Surface::new((&scans[index]).into(), &options)?;
+        let surface = Surface::new((&decoded[index].mesh).into(), &options)?;
         errors.push(surface.vertex_distances(&reference).into_iter().map(millimetres).collect());
     }
     let end = heatmap::scale_end(errors.iter().map(|error: &Vec<f64>| &error[..]));

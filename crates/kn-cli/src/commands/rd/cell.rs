@@ -146,8 +146,8 @@ impl<'p> Cell<'p> {
             let info = info.with_context(|| format!("frame {index} is not in the stream"))?;
             let scan = self.sequence.frame(index, CodecLabels::None)?;
             let comparison = timed(&mut result.measure_seconds, || {
-                let reference = Surface::of_mesh(&scan, &self.metrics)?;
-                let decoded = Surface::of_mesh(&mesh, &self.metrics)?;
+                let reference = Surface::new((&scan).into(), &self.metrics)?;
+                let decoded = Surface::new((&mesh).into(), &self.metrics)?;
                 compare_surfaces(&reference, &decoded, &self.metrics)
             });
             result.frames.push(FrameResult {

@@ -106,8 +106,8 @@ impl Scene<'_> {
             let mesh = self.decode(&cell.result.key)?;
             let scan = self.sequence.frame(self.frame, CodecLabels::None)?;
             let options = CompareOptions::distances();
-            let reference = Surface::of_mesh(&scan, &options)?;
-            let errors = Surface::of_mesh(&mesh, &options)?.vertex_distances(&reference);
+            let reference = Surface::new((&scan).into(), &options)?;
+            let errors = Surface::new((&mesh).into(), &options)?.vertex_distances(&reference);
             let (view, size) = (&self.view, self.size());
             let map = heatmap::coloured(&mesh, &errors, self.scale_end, view, size);
             self.artist.write(&file, &heatmap::plain(&mesh, view, size))?;

@@ -63,8 +63,10 @@ impl Sequence {
         labels: Option<PathBuf>,
         global: &Global,
     ) -> Result<Self> {
+        let rate = entry.frame_rate()?;
         let find = |labels| {
-            let options = ReadOptions { labels, ..ReadOptions::default() };
+            let frame_rate = rate.per_second();
+            let options = ReadOptions { labels, frame_rate, ..ReadOptions::default() };
             Inputs::find(&[source.to_owned()], options)
         };
         let (inputs, bare) = (find(LabelSource::Property)?, find(LabelSource::None)?);
@@ -76,7 +78,6 @@ impl Sequence {
         let look = Look::at(&inputs, frames.clone(), global)?;
         let bounds = look.bounds.context("no frame has a vertex")?;
         ensure!(bounds.diagonal() > 0.0, "all vertices are at one point");
-        let rate = entry.frame_rate()?;
         let info = SequenceInfo {
             name: entry.name.clone(),
             input: source.display().to_string(),
