@@ -99,7 +99,8 @@ pub(super) fn check_extensions(tree: &Value) -> Result<(), Fault> {
             return Err(draco());
         }
         let known = READ.contains(&name) || HARMLESS.iter().any(|start| name.starts_with(start));
-        if !known && !(uses(tree, name) && GEOMETRY.iter().all(|list| !uses(&tree[list], name))) {
+        let harmless = || uses(tree, name) && GEOMETRY.iter().all(|list| !uses(&tree[list], name));
+        if !known && !harmless() {
             let what = format!("the file requires the glTF extension {}", name.escape_debug());
             return Err(MeshErrorKind::Unsupported(what).into());
         }
