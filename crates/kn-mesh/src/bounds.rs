@@ -1,5 +1,7 @@
 //! Axis-aligned boxes.
 
+use crate::Precision;
+
 /// An axis-aligned box in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingBox {
@@ -31,6 +33,16 @@ impl BoundingBox {
         self.include(other.min);
         self.include(other.max);
         self
+    }
+
+    /// The precision that coordinates in the box need: binary32 where it moves no vertex by more than
+    /// 2^-19 of the longest side.
+    pub fn precision(&self) -> Precision {
+        let farthest = self.min.iter().chain(&self.max).fold(0.0_f64, |far, x| far.max(x.abs()));
+        match farthest <= 32.0 * self.longest_side() {
+            true => Precision::Single,
+            false => Precision::Double,
+        }
     }
 
     /// The point in the middle.

@@ -110,16 +110,9 @@ impl Mesh {
         bounds
     }
 
-    /// The precision that a file of this mesh needs: binary32 where it moves no vertex by more than
-    /// 2^-19 of the box's longest side.
+    /// The precision that a file of this mesh needs, see [`BoundingBox::precision`].
     pub fn precision(&self) -> Precision {
-        let Some(bounds) = self.bounding_box() else { return Precision::Single };
-        let farthest =
-            bounds.min.iter().chain(&bounds.max).fold(0.0_f64, |far, x| far.max(x.abs()));
-        match farthest <= 32.0 * bounds.longest_side() {
-            true => Precision::Single,
-            false => Precision::Double,
-        }
+        self.bounding_box().map_or(Precision::Single, |bounds| bounds.precision())
     }
 
     /// `#V × 3` positions relative to the middle of the box, in binary32: for what looks at a mesh

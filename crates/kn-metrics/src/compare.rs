@@ -1,6 +1,7 @@
 //! All metrics of two meshes in one call.
 
-use kn_mesh::BoundingBox;
+use kn_mesh::vec3::sub;
+use kn_mesh::{BoundingBox, Precision};
 
 use crate::d1d2::{Grid, PointCloud, PointError, point_distortion};
 use crate::msdm2::{Interpolation, Msdm2Error, msdm2_of_matches};
@@ -141,11 +142,24 @@ fn cloud(
     bounds: &BoundingBox,
 ) -> Result<PointCloud, PointError> {
     let mesh = surface.mesh();
+    // Points are binary32. Far from the origin they are those of meshes that are moved there.
+    let (origin, moved);
+    let positions = match bounds.precision() {
+        Precision::Single => {
+            origin = [0.0; 3];
+            mesh.positions
+        }
+        Precision::Double => {
+            origin = bounds.min;
+            moved = mesh.positions.iter().map(|&p| sub(p, origin)).collect::<Vec<_>>();
+            &moved
+        }
+    };
     match sampling {
-        PointSampling::Surface => PointCloud::from_surface(mesh.positions, mesh.faces, samples),
+        PointSampling::Surface => PointCloud::from_surface(positions, mesh.faces, samples),
         PointSampling::Grid(lines) => {
-            let grid = Grid::new(bounds.min, bounds.max, lines)?;
-            PointCloud::from_grid(mesh.positions, mesh.faces, &grid)
+            let grid = Grid::new(sub(bounds.min, origin), sub(bounds.max, origin), lines)?;
+            PointCloud::from_grid(positions, mesh.faces, &grid)
         }
     }
 }

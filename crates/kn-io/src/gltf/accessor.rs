@@ -75,7 +75,9 @@ impl Accessor {
         else {
             return Err(bad(format!("accessor {at} has an unknown type")));
         };
-        budget.spend(json.count.saturating_mul(width as u64))?;
+        // An accessor without data of its own costs the file nothing.
+        let price = if json.buffer_view.is_some() { 1 } else { 16 };
+        budget.spend(json.count.saturating_mul(width as u64).saturating_mul(price))?;
         let size = width * component.size();
         let outside = || bad(format!("accessor {at} reaches outside its buffer"));
         let count = usize::try_from(json.count).map_err(|_| outside())?;
