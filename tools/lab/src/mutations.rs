@@ -3,7 +3,8 @@
 //!
 //! Each run has to end with exit code 0 and a stream that `kn verify` accepts, or with exit code 2,
 //! an error and no stream: no panic, no signal, at most [`MOST_KILOBYTES`] of memory (address space,
-//! one thread), at most [`MOST_SECONDS`].
+//! one thread), at most [`MOST_SECONDS`]. `kn compare`, `kn register` and `kn segment` get the meshes that
+//! were coded, within the same bounds.
 
 use anyhow::{Context, Result, bail, ensure};
 use kn_testdata::mutation::{FORMATS, files};
@@ -63,6 +64,7 @@ fn try_one(program: &Path, format: &str, seed: u64) -> Result<End> {
         Some(0) => {
             let verified = kn(&["verify", "x.knm", "--threads", "1"])?;
             ensure!(verified.status.success(), "the stream does not verify");
+            use_elsewhere(&kn, &files[0].0)?;
             Ok(End::Coded)
         }
         Some(2) => {
@@ -72,6 +74,23 @@ fn try_one(program: &Path, format: &str, seed: u64) -> Result<End> {
         }
         _ => bail!("{}: {last}", done.status),
     }
+}
+
+/// Gives a mesh that was coded to the other commands that read meshes. They end with 0, 1 (a difference)
+/// or 2.
+fn use_elsewhere(kn: impl Fn(&[&str]) -> Result<Output>, mesh: &str) -> Result<()> {
+    let commands: [&[&str]; 3] = [
+        &["compare", mesh, "x.knm", "--threads", "1"],
+        &["register", mesh, mesh, "-o", "y.obj", "--threads", "1"],
+        &["segment", mesh, "-o", "labels", "--threads", "1"],
+    ];
+    for command in commands {
+        let done = kn(command).with_context(|| format!("kn {}", command[0]))?;
+        let said = String::from_utf8_lossy(&done.stderr);
+        let ended = matches!(done.status.code(), Some(0..=2)) && !said.contains("panicked at");
+        ensure!(ended, "kn {}: {}: {}", command[0], done.status, said.trim());
+    }
+    Ok(())
 }
 
 /// Runs a command in a folder, with an end to its memory and its time.
