@@ -64,7 +64,7 @@ fn try_one(program: &Path, format: &str, seed: u64) -> Result<End> {
         Some(0) => {
             let verified = kn(&["verify", "x.knm", "--threads", "1"])?;
             ensure!(verified.status.success(), "the stream does not verify");
-            use_elsewhere(&kn, &files[0].0)?;
+            use_elsewhere(kn, &files[0].0)?;
             Ok(End::Coded)
         }
         Some(2) => {
