@@ -29,7 +29,7 @@ fn face_counts(scans: &Scans) -> Vec<u64> {
 }
 
 fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum()
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum()
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn vertex_maps_lead_to_the_rounded_vertex() {
         {
             let vertex = decoded.positions[target.expect("nothing is decimated")];
             // Rounding moves a coordinate by half a step, smoothing by as much again at most.
-            let near = (0..3).all(|i| f64::from(position[i] - vertex[i]).abs() <= 1.001 * step);
+            let near = (0..3).all(|i| (position[i] - vertex[i]).abs() <= 1.001 * step);
             assert!(near, "{name}: {position:?} to {vertex:?}");
         }
     }

@@ -121,7 +121,7 @@ fn large_motion_loses_no_limb() {
         let mut by_part = [(0.0, 0usize); 256];
         for (vertex, truth) in truth.iter().enumerate() {
             let part = &mut by_part[usize::from(source.labels[vertex])];
-            part.0 += distance(result.positions[vertex], truth.map(f64::from)).powi(2);
+            part.0 += distance(result.positions[vertex], *truth).powi(2);
             part.1 += 1;
         }
         let height = 1.7;

@@ -255,7 +255,7 @@ fn an_animation_is_sampled_at_the_rate_that_is_asked_for() {
     let visibility = pointer("/nodes/0/extensions/KHR_node_visibility/visible");
     let found = written(&animated(visibility, &[1.0, 0.0], "SCALAR"));
     let options = ReadOptions { frame_rate: 2.0, allow_no_faces: true, ..ReadOptions::default() };
-    let inputs = Inputs::find(&[found.path.clone()], options).expect("readable");
+    let inputs = Inputs::find(std::slice::from_ref(&found.path), options).expect("readable");
     assert_eq!(inputs.read(0).expect("seen").mesh.faces.len(), 4);
     assert!(inputs.read(1).is_err(), "nothing is left to see");
 }

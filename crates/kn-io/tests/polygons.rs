@@ -25,7 +25,7 @@ fn polygon(points: &[[f64; 3]]) -> Scan {
 
 fn area(scan: &Scan) -> f64 {
     let mesh = &scan.mesh;
-    let corner = |vertex: u32| glam::DVec3::from(mesh.positions[vertex as usize].map(f64::from));
+    let corner = |vertex: u32| glam::DVec3::from(mesh.positions[vertex as usize]);
     let area =
         |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length() / 2.0;
     mesh.faces.iter().map(area).sum()

@@ -172,7 +172,7 @@ fn report_capture(folder: &Path) -> Result<()> {
 fn areas(mesh: &Mesh) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.positions.len()];
     for face in &mesh.faces {
-        let [a, b, c] = face.map(|v| mesh.positions[v as usize].map(f64::from));
+        let [a, b, c] = face.map(|v| mesh.positions[v as usize]);
         let [u, w] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
         let cross =
             [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];

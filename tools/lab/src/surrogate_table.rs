@@ -46,19 +46,15 @@ pub(crate) fn run(arguments: &[String]) -> Result<()> {
     Ok(())
 }
 
-fn positions(mesh: &Mesh) -> Vec<[f64; 3]> {
-    mesh.positions.iter().map(|p| p.map(f64::from)).collect()
-}
-
 fn score(scan: &Mesh, mesh: &Mesh) -> Result<f64> {
-    let scan = Msdm2Surface::new(&positions(scan), &scan.faces, DEFAULT_LEVELS)?;
-    let shown = Msdm2Surface::new(&positions(mesh), &mesh.faces, DEFAULT_LEVELS)?;
+    let scan = Msdm2Surface::new(&scan.positions, &scan.faces, DEFAULT_LEVELS)?;
+    let shown = Msdm2Surface::new(&mesh.positions, &mesh.faces, DEFAULT_LEVELS)?;
     Ok(msdm2(&scan, &shown, Interpolation::default()).symmetric)
 }
 
 fn deviation(scan: &Mesh, mesh: &Mesh) -> Result<Deviation> {
-    let target = FitTarget::new(&positions(scan), &scan.faces)?;
-    let shown = positions(mesh);
+    let target = FitTarget::new(&scan.positions, &scan.faces)?;
+    let shown = mesh.positions.clone();
     let (mut centres, mut normals) = (Vec::new(), Vec::new());
     for face in mesh.faces.iter().step_by((mesh.faces.len() / SAMPLES).max(1)) {
         let [a, b, c] = face.map(|vertex| shown[vertex as usize]);
