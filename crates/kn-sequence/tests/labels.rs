@@ -118,9 +118,8 @@ fn a_warning_that_repeats_is_kept_once() {
         let mut mesh = mesh.clone();
         if index > 0 {
             for label in &mut mesh.labels {
-                match hands.iter().position(|hand| hand == label) {
-                    Some(side) => *label = hands[1 - side],
-                    None => {}
+                if let Some(side) = hands.iter().position(|hand| hand == label) {
+                    *label = hands[1 - side];
                 }
             }
         }

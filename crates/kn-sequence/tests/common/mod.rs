@@ -10,16 +10,16 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 
 /// Number of frames.
-pub const FRAMES: usize = 3;
+pub(crate) const FRAMES: usize = 3;
 
 /// A folder with `f_0.obj`, `f_0.labels`, `f_0.ply` (with labels) and so on, and `a.knm`.
-pub struct Files {
+pub(crate) struct Files {
     folder: TempDir,
-    pub meshes: Vec<Mesh>,
+    pub(crate) meshes: Vec<Mesh>,
 }
 
 impl Files {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let config = PerformerConfig { vertices: 2_500, ..PerformerConfig::default() };
         let performer = Performer::new(config).expect("sound settings");
@@ -40,7 +40,7 @@ impl Files {
         files
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 }
