@@ -20,7 +20,7 @@ fuzz_target!(init: kn_fuzz::one_thread(), |input: &[u8]| -> Corpus {
     let path: PathBuf = FOLDER.path().join("mesh").with_extension(extension);
     std::fs::write(&path, bytes).expect("a temporary file");
     for labels in [LabelSource::Property, LabelSource::Colours] {
-        let options = ReadOptions { labels, allow_no_faces: true, ..ReadOptions::default() };
+        let options = ReadOptions { labels, allow_empty: true, ..ReadOptions::default() };
         if let Ok(scan) = read_mesh(&path, &options) {
             scan.mesh.check().expect("what is read is sound");
         }

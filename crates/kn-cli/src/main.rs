@@ -3,6 +3,8 @@
 mod arguments;
 mod choices;
 mod commands;
+mod faults;
+mod frames;
 mod heatmap;
 mod interrupt;
 mod nearest;
@@ -35,8 +37,9 @@ const ERROR: u8 = 2;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    faults::keep_silent();
     let done = prepare(&arguments.global)
-        .and_then(|()| commands::run(&arguments.command, &arguments.global));
+        .and_then(|()| faults::caught(|| commands::run(&arguments.command, &arguments.global)));
     match done {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
         Ok(Outcome::Bad) => ExitCode::FAILURE,
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("kn: error: {}", message(&error));
+            faults::tell();
             ExitCode::from(ERROR)
         }
     }

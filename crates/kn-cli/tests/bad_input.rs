@@ -45,7 +45,7 @@ fn a_frame_is_missing_in_the_middle() {
         let message = fails(scans.encode(pattern, &[]));
         let expected = "f_10.obj: this frame is missing: \
                         the sequence runs from f_08.obj to f_12.obj";
-        assert!(message.ends_with(expected), "{message}");
+        assert!(message.contains(expected) && message.contains("--missing skip"), "{message}");
     }
     scans.assert_untouched();
 }
@@ -93,7 +93,6 @@ fn faces_that_cannot_be() {
     rejects(&obj("f 1 2 4"), "obj", &["line 4", "face index 4 is out of range"]);
     rejects(&obj("f 0 1 2"), "obj", &["line 4", "face index 0 is out of range"]);
     rejects(&obj("f 1 2"), "obj", &["line 4", "at least 3 corners"]);
-    rejects(&obj(""), "obj", &["no faces"]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::path::Path;
 const NODES: &str = "60";
 
 fn read(path: &Path) -> Mesh {
-    let options = ReadOptions { allow_no_faces: true, ..ReadOptions::default() };
+    let options = ReadOptions { allow_empty: true, ..ReadOptions::default() };
     read_mesh(path, &options).expect("a mesh").mesh
 }
 

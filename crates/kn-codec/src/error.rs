@@ -185,10 +185,38 @@ pub enum EncodeError {
         /// The fault of the frame.
         fault: crate::InputFault,
     },
+    /// The encoder has a fault of its own, which this frame shows.
+    #[error("frame {frame}: internal error: {message}; please report it with this frame")]
+    Internal {
+        /// Index of the frame, in the order of pushing.
+        frame: u64,
+        /// The message of the panic.
+        message: String,
+    },
     /// The sequence was finished before a frame was pushed.
     #[error("a sequence has at least one frame, and none was pushed")]
     NoFrames,
     /// A setting is out of its range, or settings contradict each other.
     #[error("settings: {0}")]
     Settings(#[from] crate::SettingsError),
+}
+
+#[cfg(feature = "encode")]
+impl EncodeError {
+    /// Index of the frame that the error is about, in the order of pushing; `None` for an error of
+    /// the writer, the settings or the whole sequence.
+    pub fn frame(&self) -> Option<u64> {
+        match self {
+            Self::Input { frame, .. } | Self::Internal { frame, .. } => Some(*frame),
+            _ => None,
+        }
+    }
+
+    /// Does the work on a frame. A panic of the work is the error of that frame.
+    pub(crate) fn of_frame<T>(
+        frame: u64,
+        work: impl FnOnce() -> Result<T, Self>,
+    ) -> Result<T, Self> {
+        kn_mesh::caught(work).unwrap_or_else(|message| Err(Self::Internal { frame, message }))
+    }
 }

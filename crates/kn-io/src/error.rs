@@ -29,6 +29,10 @@ pub enum Place {
     Face(usize),
 }
 
+/// What can be done where frames are missing; see [`Missing`](super::Missing).
+const MISSING_FRAMES: &str =
+    "--missing skip goes on without such frames, --missing hold repeats the frame before";
+
 /// The reasons why a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -40,7 +44,7 @@ pub enum MeshErrorKind {
     #[error("{0}")]
     Empty(&'static str),
     /// The file has vertices, but no faces; see
-    /// [`ReadOptions::allow_no_faces`](super::ReadOptions).
+    /// [`ReadOptions::allow_empty`](super::ReadOptions).
     #[error("the mesh has no faces")]
     NoFaces,
     /// The content breaks the rules of its format.
@@ -92,13 +96,26 @@ pub enum MeshErrorKind {
     #[error("no label file matches")]
     NoLabelFile,
     /// A numbered frame is absent between two that exist.
-    #[error("this frame is missing: the sequence runs from {first} to {last}")]
+    #[error("this frame is missing: the sequence runs from {first} to {last}; {MISSING_FRAMES}")]
     MissingFrame {
         /// Name of the first file.
         first: String,
         /// Name of the last file.
         last: String,
     },
+    /// Frames are absent before this one: the numbers, such as times, rise by more than elsewhere.
+    #[error(
+        "frames are missing between {after} and this one: elsewhere numbers rise by {step}; {MISSING_FRAMES}"
+    )]
+    MissingBefore {
+        /// Name of the file before.
+        after: String,
+        /// The usual distance of two numbers.
+        step: i64,
+    },
+    /// The reader has a fault of its own, which this file shows.
+    #[error("internal error: {0}; please report it with this file")]
+    Internal(String),
     /// The inputs do not say which frames are meant.
     #[error("{0}")]
     Ambiguous(String),

@@ -5,6 +5,7 @@ use super::read::read_file;
 use super::text::{Lines, parse, shown, words};
 use super::{Fault, LabelSource, MeshError, MeshErrorKind, Place, ReadOptions};
 use kn_bitstream::params::BodyPart;
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -17,6 +18,8 @@ pub(super) fn take_labels(
     let vertices = parsed.mesh.positions.len();
     match &options.labels {
         LabelSource::None => Ok(Vec::new()),
+        // An empty frame has no colours to be wrong.
+        LabelSource::Colours if vertices == 0 => Ok(Vec::new()),
         LabelSource::Property => {
             let labels = std::mem::take(&mut parsed.labels);
             checked(labels.into_iter(), options.max_label, Place::Vertex)
@@ -30,11 +33,15 @@ pub(super) fn take_labels(
     }
 }
 
-/// Reads a label file: one integer per line and vertex, in the order of the vertices.
+/// Reads a label file: one integer per line and vertex, in the order of the vertices. That of an
+/// empty frame has no line.
 ///
 /// # Errors
 /// A line is not an integer, a label is above `max_label`, or there are not `vertices` labels.
 pub fn read_labels(path: &Path, vertices: usize, max_label: u8) -> Result<Vec<u8>, MeshError> {
+    if vertices == 0 && fs::metadata(path).is_ok_and(|file| file.len() == 0) {
+        return Ok(Vec::new());
+    }
     let bytes = read_file(path)?;
     parse_labels(&bytes, vertices, max_label).map_err(|fault| fault.at(path))
 }

@@ -46,6 +46,7 @@ pub use inputs::{Frames, InputFrame, Inputs};
 pub use labels::{read_labels, write_labels};
 pub use notes::ReadNotes;
 pub use read::{LabelSource, MAX_FILE_BYTES, ReadOptions, Scan, read_mesh};
+pub use sequence::Missing;
 pub use write::{check_scalar_format, write_mesh, write_mesh_in, write_mesh_with_scalar};
 
 use error::Fault;

@@ -209,6 +209,10 @@ fn integer(word: &[u8]) -> Option<i64> {
 /// Writes positions and faces as OBJ. Numbers are the shortest that read back to the same bits of
 /// that precision.
 pub(super) fn write_obj(mesh: &Mesh, precision: Precision, out: &mut dyn Write) -> io::Result<()> {
+    if mesh.is_empty() {
+        // A file without a byte is taken for one that was not written to its end.
+        return writeln!(out, "# an empty frame");
+    }
     for position in &mesh.positions {
         match precision {
             Precision::Single => {

@@ -45,12 +45,12 @@ impl Parsed {
     /// The mesh has no vertices, no faces where it must have some, a face with a vertex that is NaN
     /// or infinite, or labels that are not as `options` say.
     pub(super) fn finish(mut self, path: &Path, options: &ReadOptions) -> Result<Scan, MeshError> {
-        if self.mesh.positions.is_empty() {
+        if self.mesh.positions.is_empty() && !options.allow_empty {
             return Err(MeshError::new(path, MeshErrorKind::Empty("the mesh has no vertices")));
         }
         let replaced = self.replace_not_finite(path)?;
         std::mem::take(&mut self.polygons).cut(&mut self.mesh, &mut self.notes);
-        if self.mesh.faces.is_empty() && !options.allow_no_faces {
+        if self.mesh.faces.is_empty() && !options.allow_empty {
             return Err(MeshError::new(path, MeshErrorKind::NoFaces));
         }
         self.mesh.labels = labels::take_labels(&mut self, path, options)?;

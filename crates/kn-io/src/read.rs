@@ -1,11 +1,13 @@
 //! Reading one mesh file of any known format.
 
 use super::text::in_utf8;
-use super::{MeshError, MeshErrorKind, MeshFormat, ReadNotes, gltf, obj, off, ply, stl};
+use super::{MeshError, MeshErrorKind, MeshFormat, Missing, ReadNotes};
+use super::{gltf, obj, off, ply, stl};
 use kn_bitstream::params::BodyPart;
 use kn_mesh::Mesh;
 use std::fs::File;
 use std::io::Read;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// The source of the labels of vertices.
@@ -30,10 +32,15 @@ pub struct ReadOptions {
     pub labels: LabelSource,
     /// The largest label value allowed, at most 254.
     pub max_label: u8,
-    /// Whether a mesh without faces is read. If not, it is the error [`MeshErrorKind::NoFaces`].
-    pub allow_no_faces: bool,
+    /// Whether a mesh without faces or without vertices is read: an empty frame of a sequence, or
+    /// points. If not, it is the error [`MeshErrorKind::NoFaces`] or [`MeshErrorKind::Empty`].
+    pub allow_empty: bool,
     /// Frames per second that an animated glTF file is sampled at.
     pub frame_rate: f64,
+    /// What is done where a sequence of numbered files lacks some.
+    pub missing: Missing,
+    /// Which frames of a sequence are taken: every n-th, from the first on.
+    pub every: NonZeroUsize,
 }
 
 impl Default for ReadOptions {
@@ -41,8 +48,10 @@ impl Default for ReadOptions {
         Self {
             labels: LabelSource::default(),
             max_label: BodyPart::Other.label(),
-            allow_no_faces: false,
+            allow_empty: false,
             frame_rate: 30.0,
+            missing: Missing::Fail,
+            every: NonZeroUsize::MIN,
         }
     }
 }

@@ -254,7 +254,7 @@ fn an_animation_is_sampled_at_the_rate_that_is_asked_for() {
     assert!(scan.notes.to_string().contains("animated properties that move nothing (1)"));
     let visibility = pointer("/nodes/0/extensions/KHR_node_visibility/visible");
     let found = written(&animated(visibility, &[1.0, 0.0], "SCALAR"));
-    let options = ReadOptions { frame_rate: 2.0, allow_no_faces: true, ..ReadOptions::default() };
+    let options = ReadOptions { frame_rate: 2.0, allow_empty: true, ..ReadOptions::default() };
     let inputs = Inputs::find(std::slice::from_ref(&found.path), options).expect("readable");
     assert_eq!(inputs.read(0).expect("seen").mesh.faces.len(), 4);
     assert!(inputs.read(1).is_err(), "nothing is left to see");

@@ -21,7 +21,7 @@ fn every_mutation_is_a_sound_mesh_or_an_error() {
             let path = folder.path().join(&files[0].0);
             let labels = if seed % 4 == 0 { LabelSource::Colours } else { LabelSource::Property };
             let options =
-                ReadOptions { labels, allow_no_faces: seed % 2 == 0, ..ReadOptions::default() };
+                ReadOptions { labels, allow_empty: seed % 2 == 0, ..ReadOptions::default() };
             if let Ok(scan) = read_mesh(&path, &options) {
                 scan.mesh.check().unwrap_or_else(|fault| panic!("{format} {seed}: {fault}"));
                 read += 1;

@@ -127,7 +127,7 @@ fn broken_obj_files_name_the_line_and_the_reason() {
 #[test]
 fn a_mesh_without_faces_is_read_on_request() {
     assert!(matches!(read("a.obj", TRIANGLE), Err(MeshError { kind: MeshErrorKind::NoFaces, .. })));
-    let options = ReadOptions { allow_no_faces: true, ..ReadOptions::default() };
+    let options = ReadOptions { allow_empty: true, ..ReadOptions::default() };
     let scan = read_with("a.obj", TRIANGLE.as_bytes(), &options).expect("allowed");
     assert_eq!((scan.mesh.positions.len(), scan.mesh.faces.len()), (3, 0));
 }

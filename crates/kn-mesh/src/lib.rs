@@ -10,6 +10,7 @@ mod clean;
 mod exact;
 mod grid;
 mod mesh;
+mod panic;
 mod select;
 pub mod vec3;
 
@@ -18,4 +19,5 @@ pub use clean::{CleanReport, Cleaned, clean};
 pub use exact::{Coordinate, ExactGrid, ExactGridError};
 pub use grid::{Grid, GridError, GridToWorld, Precision};
 pub use mesh::{GridMesh, MAX_COORDINATE, Mesh, MeshFault, TriangleMesh};
+pub use panic::caught;
 pub use select::{DROPPED, VertexMap, compose};

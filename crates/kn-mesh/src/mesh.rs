@@ -47,6 +47,11 @@ impl<C> TriangleMesh<C> {
         Self { positions, faces, labels: Vec::new() }
     }
 
+    /// Whether there is no vertex, and so no face: an empty frame of a sequence.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
     /// Sets the labels: one for each vertex, or none at all.
     pub fn with_labels(self, labels: Vec<u8>) -> Self {
         Self { labels, ..self }

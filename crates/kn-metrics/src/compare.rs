@@ -9,10 +9,12 @@ use crate::p2s::{P2s, P2sError, distances_to_surface, p2s_of_matches, sample_sur
 use crate::surface::{Matches, MeshRef, Surface};
 use crate::tree::TreeError;
 
+mod empty;
 mod result;
 #[cfg(feature = "serde")]
 mod serial;
 
+pub use empty::{EmptySide, compare_empty};
 pub use result::{Comparison, Metric, UnknownMetric};
 
 /// The reason why two meshes cannot be compared.

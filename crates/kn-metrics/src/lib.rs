@@ -27,8 +27,8 @@ mod tree;
 
 pub use bjontegaard::{BdError, BdRate, Dominated, RatePoint, bd_rate};
 pub use compare::{
-    CompareError, CompareOptions, Comparison, FaceMarks, Metric, PointSampling, UnknownMetric,
-    compare, compare_faces, compare_surfaces,
+    CompareError, CompareOptions, Comparison, EmptySide, FaceMarks, Metric, PointSampling,
+    UnknownMetric, compare, compare_empty, compare_faces, compare_surfaces,
 };
 pub use d1d2::{Grid, MeanSquares, PointCloud, PointDistortion, PointError, point_distortion};
 pub use kn_mesh::BoundingBox;

@@ -3,9 +3,10 @@
 use std::ops::RangeInclusive;
 
 use kn_codec::FrameKind;
-use kn_mesh::BoundingBox;
+use kn_mesh::{BoundingBox, Mesh, caught};
 use kn_metrics::{
-    CompareError, CompareOptions, Comparison, FaceMarks, Surface, compare_faces, compare_surfaces,
+    CompareError, CompareOptions, Comparison, EmptySide, FaceMarks, Surface, compare_empty,
+    compare_faces, compare_surfaces,
 };
 
 use crate::error::SequenceError;
@@ -54,7 +55,7 @@ pub struct SequenceComparison {
     pub bounds: BoundingBox,
     /// The frames that were measured, at least one.
     pub frames: Vec<FrameComparison>,
-    /// Means over all measured frames.
+    /// Means over all measured frames, without those that are empty in both sequences.
     pub mean: Comparison,
     /// Means over the P-frames, where the distorted sequence is a stream that has some.
     pub mean_predicted: Option<Comparison>,
@@ -76,7 +77,8 @@ pub struct MeasuredPair<'p> {
     pub comparison: &'p Comparison,
 }
 
-/// Measures `distorted` against `reference`. One pair of frames is held at a time.
+/// Measures `distorted` against `reference`. One pair of frames is held at a time. Empty frames have
+/// the values of [`compare_empty`].
 ///
 /// # Errors
 /// A frame cannot be read or measured, the sequences differ in length (as far as `options` ask for
@@ -90,7 +92,7 @@ pub fn compare_sequences(
 }
 
 /// Measures like [`compare_sequences`], and calls `observe` with every measured pair, for instance
-/// for pictures.
+/// for pictures. A pair with an empty frame has no surfaces to show, and is left out.
 ///
 /// # Errors
 /// The errors of [`compare_sequences`].
@@ -114,8 +116,8 @@ pub fn compare_sequences_with(
         };
         count = a.index + 1;
         if options.frames.contains(&a.index) {
-            let frame = measure(&a, &b, &metrics, options.part, &mut observe)?;
-            frames.push(frame);
+            let measured = caught(|| measure(&a, &b, &metrics, options.part, &mut observe));
+            frames.push(measured.map_err(|message| internal(&a, message))??);
         }
         if a.index >= *options.frames.end() {
             break;
@@ -128,6 +130,10 @@ pub fn compare_sequences_with(
     let predicted = frames.iter().filter(|frame| frame.kind == Some(FrameKind::Predicted));
     let mean_predicted = Comparison::mean(predicted.map(|frame| &frame.comparison));
     Ok(SequenceComparison { bounds, frames, mean, mean_predicted })
+}
+
+fn internal(frame: &Frame, message: String) -> SequenceError {
+    SequenceError::Internal { file: frame.file.clone(), frame: frame.index, message }
 }
 
 fn length(short: &str, long: &str, frame: u64) -> SequenceError {
@@ -145,6 +151,11 @@ fn measure(
         let (file, frame) = (frame.file.clone(), frame.index);
         move |source: CompareError| SequenceError::Compare { file, frame, source }
     };
+    let comparison_of =
+        |comparison| FrameComparison { index: b.index, kind: b.kind, bytes: b.bytes, comparison };
+    if let Some(empty) = empty_side(&a.mesh, &b.mesh) {
+        return compare_empty(empty, metrics).map(comparison_of).map_err(at(b));
+    }
     let prepare = |frame: &Frame| Surface::new((&frame.mesh).into(), metrics).map_err(at(frame));
     let (reference, distorted) = (prepare(a)?, prepare(b)?);
     let comparison = match part {
@@ -163,7 +174,33 @@ fn measure(
         distorted_surface: &distorted,
         comparison: &comparison,
     });
-    Ok(FrameComparison { index: b.index, kind: b.kind, bytes: b.bytes, comparison })
+    Ok(comparison_of(comparison))
+}
+
+/// Measures one frame; empty frames have the values of [`compare_empty`]. The options name the box.
+///
+/// # Errors
+/// A frame cannot be measured.
+pub fn compare_frames(
+    reference: &Mesh,
+    distorted: &Mesh,
+    metrics: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    if let Some(empty) = empty_side(reference, distorted) {
+        return compare_empty(empty, metrics);
+    }
+    let (a, b) =
+        (Surface::new(reference.into(), metrics)?, Surface::new(distorted.into(), metrics)?);
+    compare_surfaces(&a, &b, metrics)
+}
+
+/// Which of two frames are empty; `None` where neither is.
+fn empty_side(a: &Mesh, b: &Mesh) -> Option<EmptySide> {
+    match (a.is_empty(), b.is_empty()) {
+        (false, false) => None,
+        (true, true) => Some(EmptySide::Both),
+        _ => Some(EmptySide::One),
+    }
 }
 
 /// `#F` marks: the faces with all corners in the part.

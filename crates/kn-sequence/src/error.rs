@@ -36,6 +36,16 @@ pub enum SequenceError {
         /// Why.
         source: SegmentError,
     },
+    /// A frame shows a fault of the program.
+    #[error("{file}: frame {frame}: internal error: {message}; please report it with this frame")]
+    Internal {
+        /// The file of the frame.
+        file: String,
+        /// Number of the frame.
+        frame: u64,
+        /// The message of the panic.
+        message: String,
+    },
     /// A stream cannot be opened.
     #[error("{name}: {source}")]
     Open {

@@ -7,8 +7,8 @@ use std::str::FromStr;
 
 use kn_bitstream::params::UpAxis;
 use kn_io::{InputFrame, Inputs, LabelSource, MeshError, ReadOptions};
-use kn_mesh::Mesh;
-use kn_segment::{LabelWarning, SegmentOptions, Segmentation, Segmenter, check_labels};
+use kn_mesh::{Mesh, caught};
+use kn_segment::{LabelWarning, OTHER, SegmentOptions, Segmentation, Segmenter, check_labels};
 
 use crate::error::SequenceError;
 use crate::scan::clean_scan;
@@ -106,6 +106,9 @@ pub enum LabelFindings {
     Found(Segmentation),
     /// The labels came with the scan. The check has these warnings.
     Checked(Vec<LabelWarning>),
+    /// The scan has no faces, an empty frame for instance: there is nothing to find. Its vertices,
+    /// if it has any, are `Other`.
+    NoFaces,
 }
 
 impl LabelFindings {
@@ -114,14 +117,16 @@ impl LabelFindings {
         match self {
             Self::Found(found) => found.warnings.iter().map(ToString::to_string).collect(),
             Self::Checked(warnings) => warnings.iter().map(ToString::to_string).collect(),
+            Self::NoFaces => vec!["no faces".into()],
         }
     }
 
-    /// Whether a person was found, or the check has no warning.
+    /// Whether a person was found, the check has no warning, or there was nothing to look at.
     pub fn is_good(&self) -> bool {
         match self {
             Self::Found(found) => found.found_a_person(),
             Self::Checked(warnings) => warnings.is_empty(),
+            Self::NoFaces => true,
         }
     }
 }
@@ -153,20 +158,28 @@ impl LabelledScans {
     fn label(&mut self, frame: InputFrame) -> Result<LabelledScan, SequenceError> {
         let cleaned = clean_scan(&frame)?;
         let mut mesh = cleaned.mesh;
-        let findings = match &mut self.segmenter {
+        let findings = caught(|| match &mut self.segmenter {
+            _ if mesh.faces.is_empty() => Ok(LabelFindings::NoFaces),
             Some(segmenter) => {
                 segmenter.segment(&mesh.positions, &mesh.faces).map(LabelFindings::Found)
             }
             None => check_labels(&mesh.positions, &mesh.faces, &mesh.labels, self.up_axis)
                 .map(LabelFindings::Checked),
-        };
+        });
+        let findings = findings.map_err(|message| SequenceError::Internal {
+            file: frame.path.display().to_string(),
+            frame: frame.index as u64,
+            message,
+        })?;
         let findings = findings.map_err(|source| SequenceError::Segment {
             file: frame.path.clone(),
             frame: frame.index,
             source,
         })?;
-        if let LabelFindings::Found(found) = &findings {
-            mesh.labels.clone_from(&found.labels);
+        match &findings {
+            LabelFindings::Found(found) => mesh.labels.clone_from(&found.labels),
+            LabelFindings::NoFaces => mesh.labels = vec![OTHER; mesh.positions.len()],
+            LabelFindings::Checked(_) => {}
         }
         let of_file = cleaned.vertex_map.iter().map(|&vertex| mesh.labels[vertex as usize]);
         let file_labels = of_file.collect();

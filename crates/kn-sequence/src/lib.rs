@@ -8,8 +8,8 @@ mod sequence;
 mod stream;
 
 pub use compare::{
-    CompareSequences, FrameComparison, MeasuredPair, SequenceComparison, compare_sequences,
-    compare_sequences_with,
+    CompareSequences, FrameComparison, MeasuredPair, SequenceComparison, compare_frames,
+    compare_sequences, compare_sequences_with,
 };
 pub use error::{ScanFault, SequenceError};
 pub use kn_metrics::{CompareOptions, Comparison, Metric, PointSampling};

@@ -44,9 +44,10 @@ impl SequenceOptions {
 }
 
 impl Default for SequenceOptions {
-    /// Options that read meshes as they are in their files, without labels.
+    /// Options that read meshes as they are in their files, without labels. Frames may be empty.
     fn default() -> Self {
-        let read = ReadOptions { labels: LabelSource::None, ..ReadOptions::default() };
+        let read =
+            ReadOptions { labels: LabelSource::None, allow_empty: true, ..ReadOptions::default() };
         Self { clean: false, read, labels: None }
     }
 }
@@ -80,6 +81,13 @@ pub struct Frame {
     pub bytes: Option<u64>,
 }
 
+impl Frame {
+    /// Whether the frame has no vertices: nothing is there at that time.
+    pub fn is_empty(&self) -> bool {
+        self.mesh.is_empty()
+    }
+}
+
 impl Sequence {
     /// Opens a `.knm` file, a mesh file, a folder, or a pattern of mesh files.
     ///
@@ -101,6 +109,14 @@ impl Sequence {
     /// Name of the sequence in messages: the path that it was opened by.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// What was made of the names of the files, one sentence each; see [`Inputs::notes`].
+    pub fn notes(&self) -> &[String] {
+        match &self.source {
+            Source::Meshes { inputs, .. } => inputs.notes(),
+            Source::Stream(_) => &[],
+        }
     }
 
     /// The files that are read.

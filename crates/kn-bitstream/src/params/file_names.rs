@@ -3,6 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+/// Largest number of digits of a name (`header.names.digits`).
+pub const MAX_DIGITS: u8 = 9;
+
 /// The pattern of the names of a sequence's files, without folder and extension: the file of frame
 /// f is called `prefix`, then `first` + f in at least `digits` digits.
 ///
@@ -25,13 +28,15 @@ impl FileNames {
     }
 
     /// Finds the pattern that `names` follow (one per frame, without extension): a common prefix
-    /// and numbers that rise by one. Returns `None` where there is no pattern.
+    /// and numbers that rise by one. Returns `None` where there is no pattern, or none that a stream
+    /// can carry.
     pub fn of_all(names: &[String]) -> Option<Self> {
         let first = names.first()?;
         // A name that ends in no number, or in one that is too large, has no pattern.
         let pattern: Self = first.parse().ok()?;
         let follows = |(frame, name): (u32, &String)| *name == pattern.of_frame(frame);
-        (0..).zip(names).all(follows).then_some(pattern)
+        let is_carried = is_frame_name(first) && pattern.digits <= MAX_DIGITS;
+        (is_carried && (0..).zip(names).all(follows)).then_some(pattern)
     }
 }
 
@@ -67,6 +72,13 @@ impl fmt::Display for FileNamesError {
 
 impl std::error::Error for FileNamesError {}
 
+/// Whether a frame can carry this name (`name.characters`, `name.whole`): 1 to 255 bytes that may be
+/// a file name on every system.
+pub fn is_frame_name(name: &str) -> bool {
+    let fits = (1..=255).contains(&name.len()) && !matches!(name, "." | "..");
+    fits && name_text(name.as_bytes()).is_some()
+}
+
 /// The bytes as text, where it may be part of a file name on every system, else `None`.
 pub fn name_text(bytes: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(bytes).ok()?;
@@ -96,6 +108,18 @@ mod tests {
             assert_eq!(pattern(names), None, "{names:?}");
         }
         assert_eq!(pattern(&["f99999999999"]), None);
+        assert_eq!(pattern(&["f0000000001", "f0000000002"]), None);
+        assert_eq!(pattern(&["a:1", "a:2"]), None);
+    }
+
+    #[test]
+    fn a_name_is_one_on_every_system() {
+        for name in ["tänzer 1 é", "a", "..."] {
+            assert!(is_frame_name(name), "{name}");
+        }
+        for name in ["", ".", "..", "a/b", "a:b", "a\nb", &"x".repeat(256)] {
+            assert!(!is_frame_name(name), "{name}");
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod weights;
 pub use body::{BodyPart, Region};
 pub use combination::Combination;
 pub use enumerations::{InfluenceMode, TranslationMode, UnitOfLength, UpAxis, WeightScheme};
-pub use file_names::{FileNames, FileNamesError, name_text};
+pub use file_names::{FileNames, FileNamesError, MAX_DIGITS, is_frame_name, name_text};
 pub use frame_rate::{FrameRate, FrameRateError};
 pub use labels::LabelSet;
 pub use named::{NameError, Named};

@@ -3,6 +3,7 @@
 mod output;
 
 use crate::arguments::{FrameRange, Global};
+use crate::frames::FrameFiles;
 use crate::output::{is_dash, print, print_json, write_file};
 use crate::outputs::Outputs;
 use crate::{Outcome, heatmap, progress, stream};
@@ -26,7 +27,8 @@ RMS and PSNR are those of 100,000 samples of each surface (--samples). Hausdorff
 take the vertices too.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
 encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of
-different length are an error, unless --frames names only frames that both have.
+different length are an error, unless --frames names only frames that both have. Two empty frames are
+equal, and do not count in means; where one is empty, distances are the diagonal and MSDM2 is 1.
 
 Exit codes: 0 measured, 2 an error.
 
@@ -45,6 +47,8 @@ pub(crate) struct CompareArguments {
     /// The mesh or sequence that is measured against the reference
     #[arg(value_name = "OTHER")]
     other: PathBuf,
+    #[command(flatten)]
+    files: FrameFiles,
     /// Print JSON: {mean, mean_predicted, frames, box, samples, grid}; mean_predicted is of the
     /// P-frames of a stream, grid is there with --grid
     #[arg(long)]
@@ -77,7 +81,7 @@ pub(crate) struct CompareArguments {
     /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
     #[arg(long)]
     clean: bool,
-    /// Draw both sides' first frame from four sides, coloured by the local difference
+    /// Draw both sides' first frame, of those that are not empty, from four sides, coloured by the local difference
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
     /// Write the other side's first frame with the local difference as the vertex property `error`
@@ -111,6 +115,7 @@ fn part_of_name(text: &str) -> Result<u8, String> {
 pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outcome> {
     arguments.check_local()?;
     let (reference, distorted) = arguments.open()?;
+    reference.notes().iter().chain(distorted.notes()).for_each(|note| global.note(note));
     arguments.check_outputs(&reference, &distorted)?;
     let bar = progress::bar(global, "measuring", None);
     let mut drawn = None;
@@ -122,6 +127,11 @@ pub(crate) fn run(arguments: &CompareArguments, global: &Global) -> Result<Outco
     drop(bar);
     let comparison = Report::new(measured?, &options.metrics);
     arguments.print(&comparison)?;
+    ensure!(
+        drawn.is_some() || !arguments.draws(),
+        "{}: there is nothing to draw: each frame is empty on one side",
+        reference.name()
+    );
     arguments.write(&comparison, drawn.transpose()?.unwrap_or_default())?;
     Ok(Outcome::Good)
 }
@@ -131,7 +141,9 @@ impl CompareArguments {
     fn open(&self) -> Result<(Sequence, Sequence)> {
         let streams = [&self.reference, &self.other].map(|path| stream::is_stream(path));
         let clean = self.clean || streams[0] != streams[1];
-        let options = if clean { SequenceOptions::cleaned() } else { SequenceOptions::default() };
+        let mut options = SequenceOptions::default();
+        options.clean = clean;
+        options.read = self.files.options(options.read);
         let open = |path: &Path, labels: Option<&PathBuf>, frame_rate: Option<f64>| {
             let mut options = options.clone();
             if self.part.is_some() {
@@ -171,9 +183,12 @@ impl CompareArguments {
         self.fast || self.part.is_some()
     }
 
+    fn draws(&self) -> bool {
+        self.heatmap.is_some() || self.values.is_some()
+    }
+
     fn check_local(&self) -> Result<()> {
-        let draws = self.heatmap.is_some() || self.values.is_some();
-        let lacks = draws && self.local == LocalError::Msdm2 && self.is_fast();
+        let lacks = self.draws() && self.local == LocalError::Msdm2 && self.is_fast();
         ensure!(!lacks, "--local msdm2 needs MSDM2: leave out --fast and --part");
         Ok(())
     }
@@ -181,7 +196,7 @@ impl CompareArguments {
     /// The picture and the values per vertex, where asked for.
     fn draw(&self, pair: &MeasuredPair<'_>) -> Result<Drawn> {
         let mut drawn = Drawn::default();
-        if self.heatmap.is_none() && self.values.is_none() {
+        if !self.draws() {
             return Ok(drawn);
         }
         let (a, b) = (pair.reference_surface, pair.distorted_surface);

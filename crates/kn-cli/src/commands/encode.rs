@@ -7,13 +7,14 @@ mod vertex_maps;
 use crate::Outcome;
 use crate::arguments::Global;
 use crate::choices::{self, named};
+use crate::frames::FrameFiles;
 use crate::output::{name_of, write_file};
 use crate::outputs::Outputs;
 use crate::progress;
 use crate::settings::{Settings, check_settings};
 use anyhow::{Context, Result, bail};
 use clap::ArgAction;
-use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis};
+use kn_bitstream::params::{FileNames, FrameRate, UnitOfLength, UpAxis, is_frame_name};
 use kn_codec::{
     AffineChoice, Encoder, EncoderConfig, FrameReport, GridChoice, LabelChoice, NodeChoice, Preset,
     StepChoice, Summary,
@@ -37,7 +38,7 @@ All frames are read once before encoding begins, so that one grid fits them all 
 is found before any work is done. Seams are welded. Degenerate and duplicate faces are dropped, and
 so are vertices that no face uses, unless --lossless is given. The sum is printed; --report has it
 for each frame. Where the motion does not explain a frame, a new GoF begins there, and the reason is
-printed.
+printed. A scan without faces is an empty frame.
 
 Examples:
   kn encode 'scan/*.obj' -o dance.knm
@@ -64,6 +65,8 @@ pub(crate) struct EncodeArguments {
     /// Frames per second, such as 30, 29.97 or 30000/1001
     #[arg(long, default_value = "30", value_name = "RATE")]
     fps: FrameRate,
+    #[command(flatten)]
+    frames: FrameFiles,
     /// Body parts of the vertices: a glob of .labels files, `auto` (found in the scans),
     /// `colours` (of the vertices, by the palette), `property` (a PLY property `label`), or `none`
     /// [default: property where there is one, else auto]
@@ -103,6 +106,8 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let maps = arguments.vertex_maps.as_deref().map(|folder| VertexMaps::new(folder, outputs));
     let mut maps = maps.transpose()?;
     let survey = Survey::new(&inputs, global)?;
+    inputs.notes().iter().for_each(|note| global.note(note));
+    survey.tell(arguments.lossless, global);
     arguments.fit_to(&mut config, &survey)?;
     let step = config.sequence.grid.step().context("the grid has no step")?;
     let settings = arguments.settings(&config, &survey);
@@ -148,10 +153,11 @@ fn encode(
         let cleaned = clean(&frame)?;
         report.labels.check(&frame.path, frame.index, &cleaned.mesh, up_axis);
         report.read(frame.path, &cleaned.report, frame.notes);
+        let name = Some(&frame.name[..]).filter(|name| is_frame_name(name));
+        encoder.push_named(&cleaned.mesh, name.unwrap_or_default())?;
         if let Some(maps) = maps {
             maps.read(frame.name, cleaned.vertex_map);
         }
-        encoder.push(&cleaned.mesh)?;
         for frame in encoder.drain_reports() {
             tell(frame, report, maps)?;
         }
@@ -177,6 +183,7 @@ impl EncodeArguments {
         let origin = self.labels.clone().unwrap_or_default();
         let frame_rate = self.fps.per_second();
         let options = ReadOptions { frame_rate, ..ReadOptions::default() };
+        let options = self.frames.options(options);
         Ok(origin.find_inputs(&self.inputs, options)?)
     }
 

@@ -158,7 +158,7 @@ fn read(path: &Path) -> Result<Mesh> {
 
 /// The positions of a mesh with as many vertices as the source.
 fn read_truth(path: &Path, source: &Mesh) -> Result<Vec<[f64; 3]>> {
-    let options = ReadOptions { allow_no_faces: true, ..ReadOptions::default() };
+    let options = ReadOptions { allow_empty: true, ..ReadOptions::default() };
     let truth = read_mesh(path, &options)?.mesh.positions;
     let (found, expected) = (truth.len(), source.positions.len());
     ensure!(

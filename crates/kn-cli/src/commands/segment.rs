@@ -4,6 +4,7 @@ mod preview;
 
 use crate::arguments::Global;
 use crate::choices::named;
+use crate::frames::FrameFiles;
 use crate::output::{OutputFolder, print, print_json, write_file};
 use crate::outputs::Outputs;
 use crate::table::table;
@@ -31,7 +32,8 @@ person.
 
 Scans are segmented in their order, and parts are tracked from frame to frame. Where one frame does
 not show which side is left, or shows a hand on the hip, the other frames help. Hands and lower arms
-that cannot be told from the torso join it. A frame in which no person is found is 14 everywhere.
+that cannot be told from the torso join it. A frame in which no person is found is 14 everywhere; the
+file of an empty frame is empty.
 
 kn encode finds the labels by itself. Use files to correct labels by hand. Use --check for the
 labels of another tool: it reports parts in two pieces that are far apart, and swapped sides.
@@ -47,6 +49,8 @@ pub(crate) struct SegmentArguments {
     /// A folder, a glob in quotes, a printf pattern, files, or one animated .glb (OBJ, PLY, glTF)
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    frames: FrameFiles,
     /// The folder for the .labels files
     #[arg(short, long, value_name = "FOLDER", required_unless_present = "check")]
     output: Option<PathBuf>,
@@ -81,6 +85,7 @@ struct Row {
 /// Runs the command.
 pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outcome> {
     let inputs = arguments.find_inputs()?;
+    inputs.notes().iter().for_each(|note| global.note(note));
     let outputs = arguments.check_outputs(&inputs)?;
     let mut preview = arguments.preview.as_ref().map(|_| Preview::new(inputs.len()));
     let output = arguments.output.as_deref().map(|folder| LabelFiles::create(folder, outputs));
@@ -111,7 +116,8 @@ pub(crate) fn run(arguments: &SegmentArguments, global: &Global) -> Result<Outco
 impl SegmentArguments {
     fn find_inputs(&self) -> Result<Inputs> {
         let labels = self.check.clone().map_or(LabelOrigin::None, LabelOrigin::Files);
-        Ok(labels.find_inputs(&self.inputs, ReadOptions::default())?)
+        let options = self.frames.options(ReadOptions::default());
+        Ok(labels.find_inputs(&self.inputs, options)?)
     }
 
     /// Before any work.
@@ -138,7 +144,7 @@ impl Row {
     fn of(scan: &LabelledScan) -> Self {
         let found = match &scan.findings {
             LabelFindings::Found(found) => Some(found),
-            LabelFindings::Checked(_) => None,
+            LabelFindings::Checked(_) | LabelFindings::NoFaces => None,
         };
         Self {
             frame: scan.index,

@@ -28,3 +28,10 @@ pub struct FrameInfo {
     /// Number of key nodes, 0 for an I-frame.
     pub nodes: u32,
 }
+
+impl FrameInfo {
+    /// Whether the frame has no vertices: nothing is shown at that time.
+    pub fn is_empty(&self) -> bool {
+        self.vertices == 0
+    }
+}

@@ -11,12 +11,12 @@ use kn_metrics::Msdm2Error;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputFault {
-    /// The mesh has no vertices.
-    #[error("the mesh has no vertices")]
-    NoVertices,
-    /// The mesh has no faces.
-    #[error("the mesh has no faces")]
-    NoFaces,
+    /// No frame has a vertex, and the settings name no box for the grid.
+    #[error("no frame has a vertex, and the settings name no box")]
+    NoBox,
+    /// The name of the frame cannot be part of a stream.
+    #[error("a stream cannot carry the name {0:?}")]
+    Name(String),
     /// The mesh is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshFault),

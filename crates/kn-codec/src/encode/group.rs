@@ -15,13 +15,13 @@ use crate::encode::nodes::NodeChooser;
 use crate::encode::report::{
     CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport,
 };
-use crate::encode::scan::{Scan, ScanOptions, Scans, to_grid_steps};
+use crate::encode::scan::{Frames, Scan, ScanOptions, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
 use crate::encode::tuning::Tuning;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
 use crate::order::FrameNumbers;
-use kn_bitstream::params::{BodyPart, Combination};
+use kn_bitstream::params::{BodyPart, Combination, LabelSet};
 use kn_bitstream::rule::HEADER_LEVEL_KNOWN;
 use kn_bitstream::unit::{self, write_unit};
 use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, SequenceHeader};
@@ -60,26 +60,27 @@ impl GroupEncoder {
 
     /// Appends the units of a GoF to `out` and a report per frame to `reports`, both in decode
     /// order; returns the number of frames in the GoF, which ends before a frame that its motion
-    /// does not explain. `first` frames come before it.
+    /// does not explain.
     ///
     /// # Errors
     /// A frame that cannot be coded.
     pub(crate) fn encode(
         &mut self,
-        frames: &[Mesh],
-        first: u64,
+        frames: Frames<'_>,
         out: &mut Vec<u8>,
         reports: &mut Vec<FrameReport>,
     ) -> Result<usize, EncodeError> {
-        let [intra, predicted @ ..] = frames else { return Ok(0) };
-        let numbers = FrameNumbers::in_order(first);
-        reports.push(self.encode_intra_frame(intra, numbers, out)?);
-        if predicted.is_empty() {
+        let Some((intra, predicted)) = frames.split_first() else { return Ok(0) };
+        let first = frames.first;
+        let coded = EncodeError::of_frame(first, || self.encode_intra_frame(intra, first, out));
+        reports.push(coded?);
+        if predicted.meshes.is_empty() {
             return Ok(1);
         }
-        let mut scans = Scans::new(predicted, self.scan_options(), first + 1);
+        let mut scans = Scans::new(predicted, self.scan_options());
         let mut units = Vec::new();
-        let node_bytes = self.encode_key_nodes(&mut scans, &mut units)?;
+        let nodes = || self.encode_key_nodes(&mut scans, &mut units);
+        let node_bytes = EncodeError::of_frame(first, nodes)?;
         let mut pass = self.encode_predicted(&scans)?;
         self.reason = pass.reason;
         // Key nodes without a P-frame would be of no use.
@@ -126,14 +127,19 @@ impl GroupEncoder {
             let next = number + 1;
             let task = FrameTask {
                 numbers: FrameNumbers::in_order(scans.frame(number).0),
+                name: scans.name(number),
                 from: self.reconstruction.last(),
                 settings: frame_settings(&self.config, FramePlace { number, of }),
                 scan: &scan,
                 input_faces: scans.frame(number).1,
             };
             // The next scan is prepared while this one is fitted to.
+            let frame = task.numbers.display;
             let (report, next_scan) = rayon::join(
-                || self.encode_motion_frame(task, &mut pass.units),
+                || {
+                    let encode = || self.encode_motion_frame(task, &mut pass.units);
+                    EncodeError::of_frame(frame, encode)
+                },
                 || (next < of).then(|| scans.get(next)).transpose(),
             );
             match report? {
@@ -152,16 +158,19 @@ impl GroupEncoder {
 
     fn encode_intra_frame(
         &mut self,
-        mesh: &Mesh,
-        numbers: FrameNumbers,
+        (mesh, name): (&Mesh, &str),
+        first: u64,
         out: &mut Vec<u8>,
     ) -> Result<FrameReport, EncodeError> {
+        let numbers = FrameNumbers::in_order(first);
         let input = |fault: InputFault| EncodeError::Input { frame: numbers.display, fault };
         let tuning = &self.tuning.decimation;
         let decimated = self.config.intra.decimation.and_then(|how| decimate(mesh, how, tuning));
         let coarse = decimated.as_ref().map_or(mesh, |decimated| &decimated.mesh);
         let coded = self.on_grid(coarse).map_err(input)?;
-        let encoding = encode_intra(&coded).map_err(|error| input(error.into()))?;
+        let mut encoding = encode_intra(&coded).map_err(|error| input(error.into()))?;
+        // An empty frame has no label to show that the sequence has labels.
+        encoding.header.has_labels = self.header.labels != LabelSet::None;
         self.decode_payload(&encoding.payload()).map_err(input)?;
         let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
@@ -170,7 +179,7 @@ impl GroupEncoder {
         let positions_digest =
             digests.then(|| positions_digest(self.reconstruction.last_positions()));
         let frame = IntraFrame {
-            header: FrameHeader { name: String::new(), positions_digest },
+            header: FrameHeader { name: name.to_owned(), positions_digest },
             faces_digest: digests.then(|| faces_digest(&decoded.faces)),
             smoothing,
             payload: encoding.payload(),
@@ -204,6 +213,7 @@ impl GroupEncoder {
         match self.config.intra.smoothing {
             // Positions are the input's to the last bit.
             _ if matches!(self.config.sequence.grid, GridChoice::Lossless(_)) => 0,
+            _ if mesh.faces.is_empty() => 0,
             SmoothingChoice::Strength(strength) => strength,
             SmoothingChoice::Auto => {
                 let unit = f64::from(1_u32 << self.header.fraction_bits);
@@ -291,7 +301,7 @@ impl GroupEncoder {
         task: FrameTask<'_>,
         out: &mut Vec<u8>,
     ) -> Result<Result<PredictedReport, FitFailure>, EncodeError> {
-        let FrameTask { numbers, from, settings, scan, input_faces } = task;
+        let FrameTask { numbers, name, from, settings, scan, input_faces } = task;
         let input = |fault: InputFault| EncodeError::Input { frame: numbers.display, fault };
         let decoded = &mut self.reconstruction;
         let CodedMotion { mut motion, combination, cost, fit_rms } = match self
@@ -305,6 +315,7 @@ impl GroupEncoder {
         let context = self.reconstruction.motion_context();
         self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.into()))?;
         let positions = self.reconstruction.last_positions();
+        motion.header.name = name.to_owned();
         motion.header.positions_digest =
             self.config.sequence.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
@@ -336,6 +347,7 @@ impl GroupEncoder {
 /// A P-frame that is to be coded.
 struct FrameTask<'a> {
     numbers: FrameNumbers,
+    name: &'a str,
     /// The reference that it is deformed from.
     from: Slot,
     settings: FrameSettings,

@@ -78,28 +78,50 @@ impl Scan {
     }
 }
 
+/// Frames that are to be coded, in display order.
+#[derive(Clone, Copy)]
+pub(crate) struct Frames<'a> {
+    pub(crate) meshes: &'a [Mesh],
+    /// The name that each carries; empty for none.
+    pub(crate) names: &'a [String],
+    /// Place of the first in display order.
+    pub(crate) first: u64,
+}
+
+impl<'a> Frames<'a> {
+    /// The first frame with its name, and the others.
+    pub(crate) fn split_first(self) -> Option<((&'a Mesh, &'a str), Self)> {
+        let ((mesh, meshes), (name, names)) =
+            self.meshes.split_first().zip(self.names.split_first())?;
+        Some(((mesh, name.as_str()), Self { meshes, names, first: self.first + 1 }))
+    }
+}
+
 /// The scans of a GoF's P-frames. Each is prepared when its turn comes.
 pub(crate) struct Scans<'a> {
-    meshes: &'a [Mesh],
+    frames: Frames<'a>,
     options: ScanOptions,
-    /// Place of the first in display order.
-    first: u64,
     /// The key frame, which is needed before its turn.
     key: Option<(usize, Arc<Scan>)>,
 }
 
 impl<'a> Scans<'a> {
-    pub(crate) fn new(meshes: &'a [Mesh], options: ScanOptions, first: u64) -> Self {
-        Self { meshes, options, first, key: None }
+    pub(crate) fn new(frames: Frames<'a>, options: ScanOptions) -> Self {
+        Self { frames, options, key: None }
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.meshes.len()
+        self.frames.meshes.len()
     }
 
     /// Index in the sequence and number of faces.
     pub(crate) fn frame(&self, offset: usize) -> (u64, u32) {
-        (self.first + offset as u64, self.meshes[offset].faces.len() as u32)
+        (self.frames.first + offset as u64, self.frames.meshes[offset].faces.len() as u32)
+    }
+
+    /// The name that a frame carries; empty for none.
+    pub(crate) fn name(&self, offset: usize) -> &'a str {
+        &self.frames.names[offset]
     }
 
     /// # Errors
@@ -108,8 +130,8 @@ impl<'a> Scans<'a> {
         match &self.key {
             Some((key, scan)) if *key == offset => Ok(scan.clone()),
             _ => {
-                let (mesh, frame) = (&self.meshes[offset], self.frame(offset).0);
-                Scan::new(mesh, self.options, frame).map(Arc::new)
+                let (mesh, frame) = (&self.frames.meshes[offset], self.frame(offset).0);
+                EncodeError::of_frame(frame, || Scan::new(mesh, self.options, frame).map(Arc::new))
             }
         }
     }

@@ -2,19 +2,18 @@
 
 use crate::encode::config::{EncoderConfig, GridChoice, step_of_bits};
 use crate::encode::fault::InputFault;
-use crate::error::EncodeError;
 use kn_bitstream::params::LabelSet;
 use kn_bitstream::{Level, SequenceHeader};
 use kn_mesh::{BoundingBox, Grid, Mesh};
 
-/// Makes the header of a sequence that begins with `first`, a sound mesh with at least one vertex.
+/// Makes the header of a sequence; `first` is its first frame with faces, or its first frame.
 ///
 /// # Errors
-/// The first frame is too large for every level, or has no grid.
+/// The first frame is too large for every level, or has no grid, as a sentence.
 pub(crate) fn sequence_header(
     config: &EncoderConfig,
     first: &Mesh,
-) -> Result<SequenceHeader, EncodeError> {
+) -> Result<SequenceHeader, InputFault> {
     let grid = choose_grid(&config.sequence.grid, first)?;
     Ok(SequenceHeader {
         level: choose_level(config, first)?,
@@ -38,7 +37,7 @@ pub(crate) fn sequence_header(
 }
 
 /// The lowest level, from 1 on, that holds twice the first frame: later frames may be larger.
-fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError> {
+fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, InputFault> {
     let fits = |level: &Level| {
         level.max_vertices as usize >= 2 * first.positions.len()
             && level.max_faces as usize >= 2 * first.faces.len()
@@ -48,15 +47,15 @@ fn choose_level(config: &EncoderConfig, first: &Mesh) -> Result<u8, EncodeError>
     let level = Level::all().find(|(number, level)| *number > 0 && fits(level));
     level.map(|(number, _)| number).ok_or_else(|| {
         let (vertices, faces) = (first.positions.len(), first.faces.len());
-        unfit(InputFault::Level { vertices, faces })
+        InputFault::Level { vertices, faces }
     })
 }
 
 /// The grid that the settings ask for: its origin is the lowest corner of the box.
-fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
+fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, InputFault> {
     let bounds = |bounds: Option<BoundingBox>| {
         let bounds = bounds.or_else(|| first.bounding_box());
-        bounds.ok_or_else(|| unfit(InputFault::NoVertices))
+        bounds.ok_or(InputFault::NoBox)
     };
     match *choice {
         GridChoice::Lossless(grid) => Ok(grid),
@@ -66,9 +65,4 @@ fn choose_grid(choice: &GridChoice, first: &Mesh) -> Result<Grid, EncodeError> {
         }
         GridChoice::Step { step, bounds: given } => Ok(Grid { origin: bounds(given)?.min, step }),
     }
-}
-
-/// The error for a first frame that does not fit the settings.
-fn unfit(fault: InputFault) -> EncodeError {
-    EncodeError::Input { frame: 0, fault }
 }

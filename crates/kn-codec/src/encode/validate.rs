@@ -8,7 +8,7 @@ use crate::encode::config::{
     EncoderConfig, GridChoice, IntraConfig, MotionConfig, RateConfig, SequenceConfig,
 };
 use crate::encode::settings::{Setting, SettingsError};
-use kn_bitstream::params::{FrameRate, name_text};
+use kn_bitstream::params::{FrameRate, MAX_DIGITS, name_text};
 use kn_bitstream::{COORDINATE_LIMIT, MAX_SMOOTHING};
 use kn_fit::MAX_NODES;
 use kn_mesh::BoundingBox;
@@ -20,8 +20,6 @@ const BITS: RangeInclusive<u8> = 4..=20;
 const NODES_PER_VERTEX: RangeInclusive<u8> = 1..=8;
 /// Largest number of fractional bits (`header.fraction.range`).
 const MAX_FRACTION_BITS: u8 = 8;
-/// Largest number of digits of a name (`header.names.digits`).
-const MAX_DIGITS: u8 = 9;
 /// Largest number of bytes of a name's prefix.
 const MAX_PREFIX: usize = 255;
 

@@ -151,9 +151,8 @@ impl Oracle {
     fn intra_frame(&mut self) -> Result<(), Rule> {
         let payload = Payload::of(|name| self.unit.get(name)?.first());
         self.mesh = decode_mesh(&payload.ok_or(rule::UNIT_SIZE_EXACT)?)?;
-        let vertices = self.mesh.positions.len() as u64;
         let label_set = number(&self.header, "label_set");
-        if self.mesh.labels.len() as u64 != if label_set == 0 { 0 } else { vertices } {
+        if (self.number("labels_present") != 0) != (label_set != 0) {
             return Err(rule::INTRA_LABELS_PRESENT);
         }
         let label_count = if label_set == 1 { 15 } else { number(&self.header, "label_count") };

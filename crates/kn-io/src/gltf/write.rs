@@ -2,7 +2,7 @@
 //!
 //! Frames that share their faces become one mesh with a morph target per further frame, switched
 //! by weights that jump from frame to frame; where the faces change, another mesh takes over,
-//! and its node is scaled from nothing to full size while it is on.
+//! and its node is scaled from nothing to full size while it is on. In an empty frame none is on.
 
 use super::super::atomic::temporary_beside;
 use super::super::{MeshError, MeshErrorKind, write_atomically};
@@ -46,8 +46,10 @@ pub struct GlbWriter {
     runs: Vec<Run>,
     /// The place of all nodes.
     origin: [f64; 3],
-    /// The first frame of the last run.
+    /// The first frame of the last run; empty behind an empty frame.
     base: Mesh,
+    /// Number of frames so far.
+    frames: usize,
 }
 
 /// Frames with the same faces.
@@ -82,18 +84,24 @@ impl GlbWriter {
             runs: Vec::new(),
             origin: [0.0; 3],
             base: Mesh::default(),
+            frames: 0,
         })
     }
 
-    /// Adds the next frame.
+    /// Adds the next frame. A mesh without vertices is an empty frame.
     ///
     /// # Errors
-    /// The mesh is not valid or has no faces, the disk is full, or the file gets longer than GLB
-    /// allows (4 GiB).
+    /// The mesh is not valid or has vertices and no faces, the disk is full, or the file gets longer
+    /// than GLB allows (4 GiB).
     pub fn push(&mut self, mesh: &Mesh) -> Result<(), MeshError> {
-        let frame = self.runs.last().map_or(0, |run| run.frames.end);
+        let frame = self.frames;
         let failed = |kind| MeshError::new(&self.path, kind).in_frame(frame);
         mesh.check().map_err(|fault| failed(MeshErrorKind::Malformed(fault.to_string())))?;
+        if mesh.is_empty() {
+            self.frames += 1;
+            self.base.clear();
+            return Ok(());
+        }
         if mesh.faces.is_empty() {
             return Err(failed(MeshErrorKind::NoFaces));
         }
@@ -103,7 +111,10 @@ impl GlbWriter {
             let asked = self.length + added;
             return Err(failed(MeshErrorKind::TooLarge { what, asked, allowed: MAX_BINARY_BYTES }));
         }
-        self.append(frame, mesh).map_err(|error| MeshError::new(&self.path, error).in_frame(frame))
+        let appended = self.append(frame, mesh);
+        appended.map_err(|error| MeshError::new(&self.path, error).in_frame(frame))?;
+        self.frames += 1;
+        Ok(())
     }
 
     fn append(&mut self, frame: usize, mesh: &Mesh) -> io::Result<()> {
@@ -140,7 +151,7 @@ impl GlbWriter {
     /// # Errors
     /// There are no frames, or the disk is full; then nothing is left behind.
     pub fn finish(mut self) -> Result<(), MeshError> {
-        if self.runs.is_empty() {
+        if self.frames == 0 {
             let kind = MeshErrorKind::Empty("there is no frame to write");
             return Err(MeshError::new(&self.path, kind));
         }
@@ -156,6 +167,11 @@ impl GlbWriter {
     /// The JSON of all that was written; adds the key frames of the animation to it.
     fn document(&mut self) -> io::Result<Value> {
         let runs = std::mem::take(&mut self.runs);
+        if runs.is_empty() {
+            // glTF allows no empty list.
+            let asset = json!({ "version": "2.0", "generator": "kn" });
+            return Ok(json!({ "asset": asset, "scene": 0, "scenes": [{}] }));
+        }
         let animation = self.write_animation(&runs)?;
         let meshes: Vec<Value> = runs.iter().map(mesh_of).collect();
         let nodes: Vec<Value> = (0..runs.len()).map(|run| node_of(run, self.origin)).collect();
@@ -186,14 +202,15 @@ impl GlbWriter {
                 "input": input, "output": output, "interpolation": "STEP",
             }));
         };
-        let last = runs.last().map_or(0, |run| run.frames.end);
+        let last = self.frames;
+        let changes = runs.iter().any(|run| run.frames != (0..last));
         for (node, run) in runs.iter().enumerate() {
             if !run.targets.is_empty() {
                 let weights = one_hot(run.frames.len());
                 let times = self.write_times(run.frames.clone())?;
                 add(node, "weights", (times, self.write_scalars(&weights)?));
             }
-            if runs.len() > 1 {
+            if changes {
                 let (frames, on) = switches(run, last);
                 let times = self.write_times(frames.into_iter())?;
                 let scales = on.iter().map(|&on| [f32::from(u8::from(on)); 3]);
@@ -310,7 +327,8 @@ fn one_hot(frames: usize) -> Vec<f32> {
     weights
 }
 
-/// The frames at which a run goes on and off, of `last` in all.
+/// The frames at which a run goes on and off, of `last` in all. The last key is at the last frame
+/// where empty frames end the sequence, so that the animation is as long.
 fn switches(run: &Run, last: usize) -> (Vec<usize>, Vec<bool>) {
     let mut keys = vec![(run.frames.start, true)];
     if run.frames.start > 0 {
@@ -318,6 +336,9 @@ fn switches(run: &Run, last: usize) -> (Vec<usize>, Vec<bool>) {
     }
     if run.frames.end < last {
         keys.push((run.frames.end, false));
+    }
+    if run.frames.end + 1 < last {
+        keys.push((last - 1, false));
     }
     keys.into_iter().unzip()
 }
@@ -333,7 +354,7 @@ fn bounds<const N: usize>(vectors: impl Iterator<Item = [f32; N]>) -> (Vec<f32>,
     (min.to_vec(), max.to_vec())
 }
 
-/// Header, JSON chunk and binary chunk.
+/// Header, JSON chunk and, where there are bytes, a binary chunk.
 fn write_chunks(
     json: &str,
     binary_length: u64,
@@ -342,7 +363,7 @@ fn write_chunks(
 ) -> io::Result<()> {
     let padding = json.len().next_multiple_of(4) - json.len();
     let json_length = (json.len() + padding) as u64;
-    let total = 12 + 8 + json_length + 8 + binary_length;
+    let total = 12 + 8 + json_length + if binary_length > 0 { 8 + binary_length } else { 0 };
     let word = |value: u64| {
         let value = u32::try_from(value);
         value.map(u32::to_le_bytes).map_err(|_| io::Error::other("more than 4 GiB, GLB's limit"))
@@ -353,6 +374,9 @@ fn write_chunks(
     out.write_all(b"JSON")?;
     out.write_all(json.as_bytes())?;
     out.write_all(&b"   "[..padding])?;
+    if binary_length == 0 {
+        return Ok(());
+    }
     out.write_all(&word(binary_length)?)?;
     out.write_all(b"BIN\0")?;
     io::copy(binary, out)?;

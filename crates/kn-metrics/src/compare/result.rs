@@ -97,6 +97,8 @@ impl FromStr for Metric {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
     values: [Option<f64>; Metric::ALL.len()],
+    /// Both sides are empty.
+    pub(super) of_nothing: bool,
 }
 
 impl Comparison {
@@ -110,15 +112,23 @@ impl Comparison {
         Metric::ALL.into_iter().filter_map(|metric| Some((metric, self.get(metric)?)))
     }
 
+    /// Whether both sides are empty, so that there was nothing to measure.
+    pub fn is_of_nothing(&self) -> bool {
+        self.of_nothing
+    }
+
     /// Means over several comparisons, for instance over the frames of a sequence. The result has
-    /// the metrics that all of them have. Returns `None` without comparisons.
+    /// the metrics that all of them have. Comparisons of two empty frames do not count, unless all
+    /// are. Returns `None` without comparisons.
     pub fn mean<'c>(all: impl IntoIterator<Item = &'c Self>) -> Option<Self> {
-        let all: Vec<&Self> = all.into_iter().collect();
+        let mut all: Vec<&Self> = all.into_iter().collect();
+        let of_nothing = all.iter().all(|one| one.of_nothing);
+        all.retain(|one| one.of_nothing == of_nothing);
         let mean = |metric| {
             let sum: Option<f64> = all.iter().map(|one| one.get(metric)).sum();
             sum.map(|sum| sum / all.len() as f64)
         };
-        (!all.is_empty()).then(|| Self { values: Metric::ALL.map(mean) })
+        (!all.is_empty()).then(|| Self { values: Metric::ALL.map(mean), of_nothing })
     }
 
     pub(super) fn set(&mut self, metric: Metric, value: f64) {

@@ -3,13 +3,24 @@
 use std::collections::BTreeMap;
 
 use serde::de::IgnoredAny;
+use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Comparison, Metric};
 
+/// The entry of a comparison of two empty frames.
+const OF_NOTHING: &str = "both_empty";
+
 impl Serialize for Comparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter().map(|(metric, value)| (metric.name(), value)))
+        let mut map = serializer.serialize_map(None)?;
+        for (metric, value) in self.iter() {
+            map.serialize_entry(metric.name(), &value)?;
+        }
+        if self.of_nothing {
+            map.serialize_entry(OF_NOTHING, &true)?;
+        }
+        map.end()
     }
 }
 
@@ -20,6 +31,7 @@ enum Entry {
     Number(f64),
     /// JSON has no infinity: decibels of equal meshes become null.
     Null(()),
+    Flag(bool),
     Other(IgnoredAny),
 }
 
@@ -29,9 +41,11 @@ impl<'de> Deserialize<'de> for Comparison {
         let value = |metric: Metric| match entries.get(metric.name())? {
             Entry::Number(value) => Some((metric, *value)),
             Entry::Null(()) => Some((metric, f64::INFINITY)),
-            Entry::Other(IgnoredAny) => None,
+            Entry::Flag(_) | Entry::Other(IgnoredAny) => None,
         };
-        Ok(Metric::ALL.into_iter().filter_map(value).collect())
+        let mut comparison: Self = Metric::ALL.into_iter().filter_map(value).collect();
+        comparison.of_nothing = matches!(entries.get(OF_NOTHING), Some(Entry::Flag(true)));
+        Ok(comparison)
     }
 }
 
@@ -45,6 +59,9 @@ mod tests {
         assert_eq!(serde_json::to_string(&one).expect("JSON"), r#"{"p2s_rms":2.0}"#);
         let read = |text: &str| serde_json::from_str::<Comparison>(text).expect("a comparison");
         assert_eq!(read(r#"{"p2s_rms":2.0,"x":"y"}"#), one);
+        let nothing = Comparison { of_nothing: true, ..one.clone() };
+        let text = serde_json::to_string(&nothing).expect("JSON");
+        assert_eq!((read(&text), &text[..]), (nothing, r#"{"p2s_rms":2.0,"both_empty":true}"#));
         assert_eq!(read(r#"{"d1_psnr":null}"#).get(Metric::D1Psnr), Some(f64::INFINITY));
     }
 }

@@ -283,6 +283,18 @@ impl Core<'_> {
             &short(&twins(&self.body)),
             config(),
         )?;
+        let (empty, at) = (Mesh::default(), |step| moved(&self.body, step));
+        let frames = [empty.clone(), at(0.0), at(1.0), empty.clone(), empty, at(3.0), at(4.0)];
+        self.add(
+            (
+                "empty_frames",
+                "Nothing is shown at first, and again between two GoFs that have labels: each empty \
+                 frame is a GoF of its own, with a name and digests.",
+            ),
+            &["intra.frame.empty", "intra.labels.present"],
+            &frames,
+            config().with_names(Some(FileNames { prefix: "figure ".into(), digits: 1, first: 8 })),
+        )?;
         Ok(())
     }
 

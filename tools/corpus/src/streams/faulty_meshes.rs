@@ -237,6 +237,12 @@ fn labels(plain: &[u8]) -> Result<Vec<Draft>> {
     let empty = payload(1, [0; 6], [vec![], vec![], vec![]]);
     Ok(vec![
         with_labels("labels_absent", present, "Labels promised, none there.", plain),
+        with_labels(
+            "labels_absent_empty",
+            present,
+            "Labels promised, and an empty frame that says it has none.",
+            &payload_of(&GridMesh::default())?,
+        ),
         draft(
             "labels_unasked",
             present,

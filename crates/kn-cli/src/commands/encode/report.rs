@@ -110,12 +110,7 @@ impl Report {
 
     /// Tells the user the sum, and why I-frames came early.
     pub(super) fn tell(&self, summary: &Summary, seconds: f64, name: &str, global: &Global) {
-        for (index, frame) in self.frames.iter().enumerate() {
-            if let Some(reason) = frame.coded.as_ref().and_then(|coded| coded.reason.as_ref()) {
-                let file = frame.file.display();
-                global.note(format_args!("{file}: frame {index}: a new I-frame, since {reason}"));
-            }
-        }
+        self.tell_reasons(global);
         if self.cleaned.changed() {
             global.note(format_args!("cleaned: {}", self.cleaned));
         }
@@ -136,6 +131,24 @@ impl Report {
             mean(summary.predicted_bytes, predicted),
             self.node_numbers(),
         ));
+    }
+
+    /// The first early I-frames with their reasons, and the number of the others.
+    fn tell_reasons(&self, global: &Global) {
+        const SHOWN: usize = 3;
+        let early = |frame: (usize, &'_ FrameEntry)| {
+            let reason = frame.1.coded.as_ref()?.reason.clone()?;
+            Some((frame.0, frame.1.file.display().to_string(), reason))
+        };
+        let mut early = self.frames.iter().enumerate().filter_map(early);
+        for (index, file, reason) in early.by_ref().take(SHOWN) {
+            global.note(format_args!("{file}: frame {index}: a new I-frame, since {reason}"));
+        }
+        let more = early.count();
+        if more > 0 {
+            let frames = counted(more as u64, "more early I-frame");
+            global.note(format_args!("{frames}; --report has their reasons"));
+        }
     }
 
     /// The least and the largest number of key nodes, in words.

@@ -3,8 +3,9 @@
 use crate::arguments::Global;
 use crate::progress;
 use anyhow::{Result, anyhow, bail};
+use kn_bitstream::params::is_frame_name;
 use kn_codec::EncodeError;
-use kn_io::Inputs;
+use kn_io::{InputFrame, Inputs};
 use kn_mesh::{BoundingBox, ExactGrid, Grid};
 use kn_sequence::clean_scan;
 use std::path::PathBuf;
@@ -17,8 +18,8 @@ pub(crate) struct Survey {
     pub(crate) names: Vec<String>,
     /// The box of all surfaces: vertices that no face uses do not count.
     pub(crate) bounds: Option<BoundingBox>,
-    /// The longest side of each frame's box.
-    sides: Vec<f64>,
+    /// The longest side of each frame's box; `None` for a frame without faces.
+    sides: Vec<Option<f64>>,
     /// Whether every frame has labels.
     pub(crate) labelled: bool,
     /// The grid that all coordinates lie on already, if there is one.
@@ -38,21 +39,56 @@ impl Survey {
             exact: ExactGrid::default(),
         };
         for frame in inputs.frames() {
-            let frame = frame?;
-            let Some(own) = frame.mesh.surface_box() else {
-                // Cleaning says what is wrong.
-                clean_scan(&frame)?;
-                bail!("{}: frame {}: the mesh has no faces", frame.path.display(), frame.index);
-            };
-            survey.bounds = Some(survey.bounds.map_or(own, |all| all.union(own)));
-            survey.sides.push(own.longest_side());
-            survey.exact.include(&frame.mesh.positions);
-            survey.labelled &= !frame.mesh.labels.is_empty();
-            survey.files.push(frame.path);
-            survey.names.push(frame.name);
+            survey.include(frame?)?;
             bar.step();
         }
+        if survey.bounds.is_none() {
+            let file = survey.files.first().map(|file| file.display().to_string());
+            let what = match survey.files.len() {
+                1 => "frame 0: the mesh has no faces",
+                _ => "no frame of the sequence has a face",
+            };
+            bail!("{}: {what}", file.unwrap_or_default());
+        }
         Ok(survey)
+    }
+
+    fn include(&mut self, frame: InputFrame) -> Result<()> {
+        let own = frame.mesh.surface_box();
+        if own.is_none() {
+            // Cleaning says what is wrong with faces that have no area.
+            clean_scan(&frame)?;
+        }
+        self.bounds = self.bounds.zip(own).map(|(all, own)| all.union(own)).or(self.bounds).or(own);
+        self.sides.push(own.map(|own| own.longest_side()));
+        self.exact.include(&frame.mesh.positions);
+        self.labelled &= !frame.mesh.labels.is_empty() || frame.mesh.is_empty();
+        self.files.push(frame.path);
+        self.names.push(frame.name);
+        Ok(())
+    }
+
+    /// Tells the user of frames without faces, and of names that the stream does not carry.
+    pub(crate) fn tell(&self, lossless: bool, global: &Global) {
+        let without = || (0..self.sides.len()).filter(|&frame| self.sides[frame].is_none());
+        if let Some(first) = without().next() {
+            let coded =
+                if lossless { "their vertices alone are coded" } else { "coded as empty frames" };
+            global.note(format_args!(
+                "{} of {} frames have no faces, first {}: frame {first}: {coded}",
+                without().count(),
+                self.files.len(),
+                self.files[first].display(),
+            ));
+        }
+        let mut refused = self.names.iter().filter(|name| !is_frame_name(name));
+        if let Some(first) = refused.next() {
+            global.note(format_args!(
+                "{} names cannot be carried in the stream, first {first:?}: decoded files are named \
+                 by their number",
+                1 + refused.count()
+            ));
+        }
     }
 
     /// Whether every frame is larger than a step of the grid: on a coarser one nothing is left of
@@ -62,15 +98,14 @@ impl Survey {
     /// A frame is not.
     pub(crate) fn check_step(&self, step: f64) -> Result<()> {
         let named = |frame: usize| format!("{}: frame {frame}", self.files[frame].display());
-        let Some(small) = self.sides.iter().position(|&side| side < step) else { return Ok(()) };
-        let (side, longest) = (self.sides[small], self.steps(1.0));
-        let largest =
-            (0..self.sides.len()).max_by(|&a, &b| self.sides[a].total_cmp(&self.sides[b]));
-        let because = match largest.filter(|&frame| self.sides[frame] >= step) {
-            Some(large) => format!(
-                "; the box of all frames is {longest:.3e} long, and that of {} {:.3e}",
+        let sides = || self.sides.iter().enumerate().filter_map(|(at, side)| Some((at, (*side)?)));
+        let Some((small, side)) = sides().find(|(_, side)| *side < step) else { return Ok(()) };
+        let longest = self.steps(1.0);
+        let largest = sides().max_by(|a, b| a.1.total_cmp(&b.1));
+        let because = match largest.filter(|(_, side)| *side >= step) {
+            Some((large, side)) => format!(
+                "; the box of all frames is {longest:.3e} long, and that of {} {side:.3e}",
                 named(large),
-                self.sides[large]
             ),
             None => String::new(),
         };
@@ -99,9 +134,9 @@ impl Survey {
 
     /// Adds the file's name to an encoder's error about a frame.
     pub(crate) fn name_file(&self, error: anyhow::Error) -> anyhow::Error {
-        let frame = match error.downcast_ref() {
-            Some(EncodeError::Input { frame, .. }) => usize::try_from(*frame).ok(),
-            _ => None,
+        let frame = match error.downcast_ref::<EncodeError>() {
+            Some(error) => error.frame().and_then(|frame| usize::try_from(frame).ok()),
+            None => None,
         };
         match frame.and_then(|frame| self.files.get(frame)) {
             Some(file) => error.context(file.display().to_string()),

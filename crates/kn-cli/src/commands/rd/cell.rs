@@ -9,9 +9,11 @@ use crate::output::write_file;
 use crate::settings::{apply_table, check_settings, flags_of};
 use crate::stream::{self, kind_letter};
 use anyhow::{Context, Result, ensure};
+use kn_bitstream::params::is_frame_name;
 use kn_codec::{Encoder, EncoderConfig, LabelChoice};
 use kn_mesh::Mesh;
-use kn_metrics::{CompareOptions, Surface, compare_surfaces};
+use kn_metrics::CompareOptions;
+use kn_sequence::compare_frames;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -57,7 +59,7 @@ impl<'p> Cell<'p> {
         let mut config = encoder_config(entry, codec, rate)?
             .with_frame_rate(sequence.rate)
             .with_up_axis(sequence.up_axis)
-            .with_names(sequence.names.clone());
+            .with_names(sequence.pattern.clone());
         config.sequence.grid = config.sequence.grid.with_bounds(Some(sequence.bounds));
         check_settings(&config)?;
         let labels = match codec.labels {
@@ -82,7 +84,10 @@ impl<'p> Cell<'p> {
         let (version, labels) = (env!("CARGO_PKG_VERSION"), self.labels);
         let (config, metrics, frames) = (&self.config, &self.metrics, &self.sequence.info.digest);
         // Debug prints every field, those of later versions too.
-        digest.update(format!("{FORMAT} {version} {labels:?} {config:?} {metrics:?} {frames}"));
+        let names = &self.sequence.names;
+        digest.update(format!(
+            "{FORMAT} {version} {labels:?} {config:?} {metrics:?} {frames} {names:?}"
+        ));
         hex(digest)
     }
 
@@ -128,7 +133,9 @@ impl<'p> Cell<'p> {
             let mut encoder = Encoder::new(out, self.config.clone())?;
             for index in 0..self.sequence.len() {
                 let mesh = self.sequence.frame(index, self.labels)?;
-                timed(&mut seconds, || encoder.push(&mesh)).map_err(named)?;
+                let name = Some(&self.sequence.names[index][..]).filter(|name| is_frame_name(name));
+                let name = name.unwrap_or_default();
+                timed(&mut seconds, || encoder.push_named(&mesh, name)).map_err(named)?;
                 encoder.drain_reports();
             }
             timed(&mut seconds, || encoder.finish()).map_err(named)?;
@@ -145,11 +152,8 @@ impl<'p> Cell<'p> {
             let info = decoded.with_context(|| stream::name_of(path))?;
             let info = info.with_context(|| format!("frame {index} is not in the stream"))?;
             let scan = self.sequence.frame(index, CodecLabels::None)?;
-            let comparison = timed(&mut result.measure_seconds, || {
-                let reference = Surface::new((&scan).into(), &self.metrics)?;
-                let decoded = Surface::new((&mesh).into(), &self.metrics)?;
-                compare_surfaces(&reference, &decoded, &self.metrics)
-            });
+            let comparison =
+                timed(&mut result.measure_seconds, || compare_frames(&scan, &mesh, &self.metrics));
             result.frames.push(FrameResult {
                 index: info.index,
                 kind: kind_letter(info.kind).into(),

@@ -4,6 +4,7 @@ use super::config::{CodecLabels, Config, SequenceEntry};
 use super::performer;
 use super::results::SequenceInfo;
 use crate::arguments::{FrameRange, Global};
+use crate::frames::FrameFiles;
 use crate::progress;
 use anyhow::{Context, Result, anyhow, ensure};
 use kn_bitstream::params::{FileNames, FrameRate, UpAxis};
@@ -27,7 +28,11 @@ pub(super) struct Sequence {
     labels: Option<PathBuf>,
     /// The box of the cleaned meshes, which the grid and distances refer to.
     pub(super) bounds: BoundingBox,
-    pub(super) names: Option<FileNames>,
+    /// The pattern of the names, where they have one.
+    pub(super) pattern: Option<FileNames>,
+    /// The name of each frame used.
+    pub(super) names: Vec<String>,
+    choice: FrameFiles,
     pub(super) rate: FrameRate,
     pub(super) up_axis: UpAxis,
 }
@@ -67,6 +72,7 @@ impl Sequence {
         let find = |labels| {
             let frame_rate = rate.per_second();
             let options = ReadOptions { labels, frame_rate, ..ReadOptions::default() };
+            let options = entry.files().options(options);
             Inputs::find(&[source.to_owned()], options)
         };
         let (inputs, bare) = (find(LabelSource::Property)?, find(LabelSource::None)?);
@@ -74,6 +80,7 @@ impl Sequence {
             Some(labels) => inputs.with_labels(labels)?,
             None => inputs,
         };
+        inputs.notes().iter().for_each(|note| global.note(note));
         let frames = frames_in(&entry.frame_range()?, inputs.len())?;
         let look = Look::at(&inputs, frames.clone(), global)?;
         let bounds = look.bounds.context("no frame has a vertex")?;
@@ -92,8 +99,10 @@ impl Sequence {
             inputs,
             bare,
             frames,
-            names: FileNames::of_all(&look.names),
+            pattern: FileNames::of_all(&look.names),
+            names: look.names,
             files: look.files,
+            choice: entry.files(),
             labels,
             bounds,
             rate,
@@ -126,10 +135,7 @@ impl Sequence {
 
     /// Adds the file's name to an encoder's error about a frame.
     pub(super) fn name_file(&self, error: EncodeError) -> anyhow::Error {
-        let frame = match &error {
-            EncodeError::Input { frame, .. } => usize::try_from(*frame).ok(),
-            _ => None,
-        };
+        let frame = error.frame().and_then(|frame| usize::try_from(frame).ok());
         let file = frame.and_then(|frame| self.files.get(frame));
         let error = anyhow::Error::from(error);
         match file {
@@ -146,6 +152,9 @@ impl Sequence {
         } else {
             self.files.iter().map(|file| file.display().to_string()).collect()
         };
+        if whole {
+            arguments.extend(self.choice.flags());
+        }
         let mut flag = |name: &str, value: String| arguments.extend([name.into(), value]);
         match (&self.labels, labels) {
             (_, CodecLabels::None) => flag("--labels", "none".into()),
@@ -221,7 +230,7 @@ impl Look {
     fn take(&mut self, mesh: &Mesh) {
         let own = mesh.bounding_box();
         self.bounds = self.bounds.zip(own).map(|(all, own)| all.union(own)).or(self.bounds).or(own);
-        self.labelled &= !mesh.labels.is_empty();
+        self.labelled &= !mesh.labels.is_empty() || mesh.is_empty();
         self.vertices += mesh.positions.len();
         self.faces += mesh.faces.len();
         // Counts come first, so that no two sequences hash the same bytes.

@@ -28,7 +28,7 @@ impl Preview {
 
     /// Takes a frame, with labels, if it is to be shown.
     pub(super) fn push(&mut self, index: usize, name: &str, mesh: Mesh) {
-        if self.chosen.contains(&index) {
+        if self.chosen.contains(&index) && !mesh.is_empty() {
             self.frames.push((name.to_owned(), mesh));
         }
     }

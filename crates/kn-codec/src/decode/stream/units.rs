@@ -66,7 +66,7 @@ impl StreamDecoder {
         self.group
             .begin(frame.smoothing, |mesh| decode_intra(payload, &limits, decoder, mesh))
             .map_err(|error| self.intra_error(error, sections_start))?;
-        self.check_labels(sections_start)?;
+        self.check_labels(payload.header.has_labels, sections_start)?;
         self.show(&frame.header)?;
         if self.check_digests
             && frame.faces_digest.is_some_and(|digest| digest != faces_digest(self.faces()))
@@ -95,11 +95,9 @@ impl StreamDecoder {
         Ok(())
     }
 
-    fn check_labels(&self, at: u64) -> Result<(), DecodeError> {
+    fn check_labels(&self, has_labels: bool, at: u64) -> Result<(), DecodeError> {
         let has_set = self.header.as_ref().is_some_and(|h| h.labels != LabelSet::None);
-        let intra = self.group.intra();
-        let expected = if has_set { intra.positions.len() } else { 0 };
-        if intra.labels.len() != expected {
+        if has_labels != has_set {
             Err(self.malformed(rule::INTRA_LABELS_PRESENT, at))
         } else if !self.group.labels_in_range() {
             Err(self.malformed(rule::INTRA_LABELS_RANGE, at))

@@ -1,12 +1,14 @@
 //! The entries of a configuration file.
 
 use crate::arguments::FrameRange;
+use crate::frames::{FrameFiles, MissingFrames};
 use crate::nearest::nearest;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use kn_bitstream::params::{FrameRate, UpAxis};
 use kn_codec::{NamedSetting, Preset};
 use kn_metrics::{CompareOptions, PointSampling};
 use serde::Deserialize;
+use std::num::NonZeroU16;
 
 /// Scans in files, or a performer.
 #[derive(Debug, Deserialize)]
@@ -17,6 +19,8 @@ pub(crate) struct SequenceEntry {
     /// A glob of label files, or `auto`.
     pub(crate) labels: Option<String>,
     pub(crate) frames: Option<String>,
+    pub(crate) missing: Option<MissingFrames>,
+    pub(crate) every: Option<NonZeroU16>,
     pub(crate) fps: Option<toml::Value>,
     pub(crate) up: Option<String>,
     #[serde(flatten)]
@@ -122,7 +126,8 @@ pub(crate) struct PicturesEntry {
 
 impl SequenceEntry {
     pub(super) fn check(&self) -> Result<()> {
-        let own = ["name", "input", "performer", "labels", "frames", "fps", "up"];
+        let own =
+            ["name", "input", "performer", "labels", "frames", "missing", "every", "fps", "up"];
         check_keys(&self.settings, &own)?;
         ensure!(
             self.input.is_some() != self.performer.is_some(),
@@ -152,6 +157,11 @@ impl SequenceEntry {
     pub(crate) fn frame_range(&self) -> Result<FrameRange> {
         let parse = |text: &String| text.parse().map_err(|reason: String| anyhow!(reason));
         self.frames.as_ref().map_or(Ok(FrameRange::default()), parse).context("frames")
+    }
+
+    /// The files that are frames.
+    pub(crate) fn files(&self) -> FrameFiles {
+        FrameFiles::new(self.missing, self.every)
     }
 
     /// Frames per second.
