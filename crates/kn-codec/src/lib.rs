@@ -72,10 +72,10 @@ mod encode;
 pub use encode::{
     AffineChoice, CodedFrame, CombinationChoice, CostReport, Decimation, DistortionMeasure,
     EarlierFrames, Encoder, EncoderConfig, FailureTuning, Finished, FitFailure, FormError,
-    FrameReport, GridChoice, InputFault, IntraConfig, IntraReport, LabelChoice, MotionConfig,
-    NamedSetting, NodeChoice, NodePlacement, PredictedReport, Preset, RateConfig, SequenceConfig,
-    SetError, Setting, SettingsError, SmoothingChoice, StepChoice, StepReport, Summary,
-    TranslationChoice,
+    FrameError, FrameReport, GridChoice, InputFault, IntraConfig, IntraReport, LabelChoice,
+    MotionConfig, NamedSetting, NodeChoice, NodePlacement, PredictedReport, Preset, RateConfig,
+    SequenceConfig, SetError, Setting, SettingsError, SmoothingChoice, StepChoice, StepReport,
+    Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

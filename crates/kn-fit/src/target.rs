@@ -9,7 +9,7 @@ use crate::source::{check_length, check_mesh};
 use crate::surface::{diagonal, vertex_areas, vertex_normals};
 use kn_mesh::adjacency::EdgeTable;
 use kn_mesh::vec3::{Vec3, add, dot, scale, unit};
-use kn_metrics::TriangleTree;
+use kn_metrics::{IndexedMesh, MeshRef, TriangleTree};
 
 /// A target frame with what every pass needs of it.
 #[derive(Debug)]
@@ -63,6 +63,11 @@ impl FitTarget {
             faces: faces.to_vec(),
             labels: None,
         })
+    }
+
+    /// The mesh, and the BVH over its faces.
+    pub fn surface(&self) -> IndexedMesh<'_> {
+        IndexedMesh::new(MeshRef::new(&self.positions, &self.faces), &self.tree)
     }
 
     /// The deviation of a surface, given by `points` (`#P × 3`) and its normals there (of any

@@ -253,6 +253,7 @@ impl EncodeArguments {
             "lossless": self.lossless,
             "decimation": config.intra.decimation.map(|decimation| decimation.to_string()),
             "gof": config.sequence.group_length,
+            "pframe_error": config.motion.max_error,
             "nodes": config.motion.nodes.most(),
             "nodes_by_cost": matches!(config.motion.nodes, NodeChoice::Cost { .. }),
             "placement": config.motion.placement.to_string(),

@@ -157,6 +157,11 @@ pub struct MotionConfig {
     /// Quantiser step of shears, measured likewise. `None` is twice the step of translations, or a
     /// choice by cost.
     pub shear_step: Option<f64>,
+    /// By how much a decoded P-frame may be farther from its scan than its GoF's I-frame is from
+    /// its own (RMS distance, both directions), as a share of the scan's size. A region of the
+    /// surface has half of this bound for its part of the RMS distance. A frame that would be
+    /// beyond it begins a new GoF. [`crate::FrameError`] says how it is measured.
+    pub max_error: f64,
 }
 
 /// Settings of the choices by J = D + λR.
@@ -211,6 +216,7 @@ impl Default for MotionConfig {
             rotation_step: None,
             scale_step: None,
             shear_step: None,
+            max_error: Tuning::default().error.excess,
         }
     }
 }
@@ -263,6 +269,7 @@ setters! {
     with_rotation_step: impl Into<Option<f64>> => motion.rotation_step of MotionConfig,
     with_scale_step: impl Into<Option<f64>> => motion.scale_step of MotionConfig,
     with_shear_step: impl Into<Option<f64>> => motion.shear_step of MotionConfig,
+    with_max_error: f64 => motion.max_error of MotionConfig,
     with_lambda: f64 => rate.lambda of RateConfig,
     with_distortion: DistortionMeasure => rate.distortion of RateConfig,
 }

@@ -1,4 +1,5 @@
-//! Frames that the motion does not explain: they begin a new GoF.
+//! Frames that the motion does not explain: they begin a new GoF. The fit is judged here; what is decoded
+//! afterwards keeps the bound of `frame_error`.
 
 use kn_fit::{FitMeasures, FitReport, MeasureOptions};
 use std::fmt;
@@ -88,6 +89,27 @@ pub enum FitFailure {
         /// 95th percentile relative to the largest of the earlier frames of the GoF.
         ratio: f64,
     },
+    /// The decoded P-frame would be farther from the scan than [`crate::MotionConfig::max_error`]
+    /// allows.
+    Distant {
+        /// Its RMS distance, as in [`crate::FrameError::rms`].
+        rms: f64,
+        /// The bound for it.
+        bound: f64,
+    },
+    /// A region of the decoded P-frame or of the scan would be farther from the other than
+    /// [`crate::MotionConfig::max_error`] allows.
+    DistantRegion {
+        /// Its share of its mesh's area.
+        share: f64,
+        /// Its RMS distance, as a share of the scan's size.
+        distance: f64,
+        /// The bound for its part, as in [`crate::FrameError::region`].
+        bound: f64,
+    },
+    /// The frame has no area, or nothing is left on the grid of the I-frame before it: there is
+    /// nothing that a motion could lead to or start from.
+    NoArea,
 }
 
 /// The largest values of the frames of a GoF so far, which the next is compared with.
@@ -198,6 +220,22 @@ impl fmt::Display for FitFailure {
             Self::Worse { ratio } => {
                 write!(f, "distances are {ratio:.1} times those of the frames before")
             }
+            Self::Distant { rms, bound } => write!(
+                f,
+                "a P-frame would be {:.1} % of the scan's size away from it (RMS), more than the \
+                 bound of {:.1} %",
+                percent(rms),
+                percent(bound)
+            ),
+            Self::DistantRegion { share, distance, bound } => write!(
+                f,
+                "{:.1} % of the surface would be {:.1} % of the scan's size away in a P-frame, which \
+                 is more than the bound of {:.1} % for regions",
+                percent(share),
+                percent(distance),
+                percent(bound)
+            ),
+            Self::NoArea => f.write_str("it has no area, or the I-frame before it has none"),
         }
     }
 }

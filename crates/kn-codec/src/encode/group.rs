@@ -9,6 +9,7 @@ use crate::encode::cost::cheapest;
 use crate::encode::decimate::decimate;
 use crate::encode::failure::FitFailure;
 use crate::encode::fault::InputFault;
+use crate::encode::frame_error::ErrorBound;
 use crate::encode::frame_settings::{FramePlace, FrameSettings, frame_settings};
 use crate::encode::motion::{CodedMotion, MotionEncoder};
 use crate::encode::nodes::NodeChooser;
@@ -30,6 +31,8 @@ use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
 use kn_metrics::TriangleTree;
 
+mod bound;
+
 /// Encodes GoFs of one sequence, one after the other.
 pub(crate) struct GroupEncoder {
     config: EncoderConfig,
@@ -39,6 +42,7 @@ pub(crate) struct GroupEncoder {
     reconstruction: Reconstruction,
     intra_decoder: IntraDecoder,
     motion: MotionEncoder,
+    bound: ErrorBound,
     /// The reason why the last GoF ended early.
     reason: Option<FitFailure>,
 }
@@ -50,6 +54,7 @@ impl GroupEncoder {
             grid: Grid { origin: header.grid_origin, step: header.grid_step },
             reconstruction: Reconstruction::new(&header),
             motion: MotionEncoder::new(&config, tuning, &header),
+            bound: ErrorBound::new(config.motion.max_error, tuning.error),
             config,
             tuning,
             header,
@@ -78,11 +83,18 @@ impl GroupEncoder {
             return Ok(1);
         }
         let mut scans = Scans::new(predicted, self.scan_options());
+        let input = |fault: InputFault| EncodeError::Input { frame: first, fault };
+        if scans.len() == 0 || !self.can_move().map_err(input)? {
+            self.reason = Some(FitFailure::NoArea);
+            return Ok(1);
+        }
+        self.measure_intra(intra.0).map_err(input)?;
         let mut units = Vec::new();
         let nodes = || self.encode_key_nodes(&mut scans, &mut units);
         let node_bytes = EncodeError::of_frame(first, nodes)?;
         let mut pass = self.encode_predicted(&scans)?;
-        self.reason = pass.reason;
+        let cut_short = scans.len() < predicted.meshes.len();
+        self.reason = pass.reason.or(cut_short.then_some(FitFailure::NoArea));
         // Key nodes without a P-frame would be of no use.
         if let Some(first) = pass.reports.first_mut() {
             first.node_bytes = node_bytes;
@@ -271,10 +283,6 @@ impl GroupEncoder {
             FitError::Bind(BindError::RegionWithoutNodes { vertex, .. }) => {
                 input(without_nodes(intra.labels.get(vertex)))
             }
-            FitError::Bind(BindError::NoNodes) => EncodeError::Input {
-                frame: frame - 1,
-                fault: InputFault::NothingLeft { step: self.grid.step },
-            },
             other => input(other.into()),
         };
         let nodes = chooser.choose(scans, fail)?;
@@ -314,6 +322,10 @@ impl GroupEncoder {
         };
         let context = self.reconstruction.motion_context();
         self.reconstruction.apply(&motion, from).map_err(|rule| input(rule.into()))?;
+        let measured = match self.judge(scan).map_err(input)? {
+            Ok(measured) => measured,
+            Err(failure) => return Ok(Err(failure)),
+        };
         let positions = self.reconstruction.last_positions();
         motion.header.name = name.to_owned();
         motion.header.positions_digest =
@@ -340,6 +352,8 @@ impl GroupEncoder {
             steps: StepReport::new(&motion, self.header.fraction_bits),
             cost,
             fit_rms: fit_rms * self.grid.step,
+            error: measured.error,
+            error_bound: measured.bound,
         }))
     }
 }

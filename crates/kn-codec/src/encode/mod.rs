@@ -7,6 +7,7 @@ mod decimate;
 mod encoder;
 mod failure;
 mod fault;
+mod frame_error;
 mod frame_settings;
 mod group;
 mod labels;
@@ -34,6 +35,7 @@ pub use config::{
 pub use encoder::{Encoder, Finished};
 pub use failure::{EarlierFrames, FailureTuning, FitFailure};
 pub use fault::InputFault;
+pub use frame_error::FrameError;
 pub use named_setting::{NamedSetting, SetError};
 pub use preset::Preset;
 pub use report::{

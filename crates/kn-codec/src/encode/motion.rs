@@ -170,8 +170,8 @@ impl MotionEncoder {
         candidates: &[Combination],
     ) -> Result<Vec<Fit>, FitError> {
         let reference = decoded.reference(from);
-        to_grid_steps(&reference.positions, self.unit, &mut self.reference);
-        to_grid_steps(&reference.nodes, self.unit, &mut self.nodes);
+        reference_to_grid_steps(&reference.positions, self.unit, &mut self.reference);
+        reference_to_grid_steps(&reference.nodes, self.unit, &mut self.nodes);
         let intra = decoded.intra();
         let source = FitSource {
             positions: &self.reference,
@@ -310,7 +310,12 @@ impl Frame<'_> {
     }
 }
 
-fn to_grid_steps(reference: &[[i32; 3]], unit: f64, positions: &mut Vec<[f64; 3]>) {
+/// Converts reference units, of which `unit` make a grid step, to grid steps.
+pub(crate) fn reference_to_grid_steps(
+    reference: &[[i32; 3]],
+    unit: f64,
+    positions: &mut Vec<[f64; 3]>,
+) {
     positions.clear();
     positions.extend(reference.iter().map(|p| p.map(|c| f64::from(c) / unit)));
 }

@@ -257,6 +257,10 @@ mod tests {
             let value = message(&[("step", bad)]);
             assert!(value.ends_with("give a positive number"), "{value}");
         }
+        for bad in ["1", "0%", "-1%", "nan%", "%"] {
+            let value = message(&[("pframe_error", bad)]);
+            assert!(value.ends_with("such as 1%"), "{value}");
+        }
         let both = message(&[("choice", "per-frame"), ("combination", "RT")]);
         assert_eq!(both, "'combination' and 'choice' exclude each other: give one of them");
         assert!(message(&[("bits", "9"), ("step", "1")]).contains("exclude"));

@@ -2,6 +2,7 @@
 
 use crate::decode::FrameKind;
 use crate::encode::failure::FitFailure;
+use crate::encode::frame_error::FrameError;
 use crate::encode::quantise::unit_step;
 use kn_bitstream::params::{Combination, TranslationMode};
 use kn_bitstream::{MotionFrame, translation_step};
@@ -77,6 +78,10 @@ pub struct PredictedReport {
     pub cost: Option<CostReport>,
     /// RMS distance from the fitted mesh to the scan before quantisation, world units.
     pub fit_rms: f64,
+    /// Distance between the decoded frame and its scan.
+    pub error: FrameError,
+    /// The bound for it, which follows from [`crate::MotionConfig::max_error`].
+    pub error_bound: FrameError,
 }
 
 impl FrameReport {

@@ -5,7 +5,7 @@ use crate::encode::fault::InputFault;
 use crate::encode::tuning::SurrogateTuning;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
-use kn_mesh::vec3::cross;
+use kn_mesh::vec3::{cross, norm, sub};
 use kn_mesh::{Grid, Mesh};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
 use std::sync::Arc;
@@ -97,6 +97,14 @@ impl<'a> Frames<'a> {
     }
 }
 
+/// Whether a mesh has an area, which a fit needs: `corner` gives the position of a vertex.
+pub(crate) fn has_area(faces: &[[u32; 3]], corner: impl Fn(u32) -> [f64; 3]) -> bool {
+    faces.iter().any(|face| {
+        let [a, b, c] = face.map(&corner);
+        norm(cross(sub(b, a), sub(c, a))) > 0.0
+    })
+}
+
 /// The scans of a GoF's P-frames. Each is prepared when its turn comes.
 pub(crate) struct Scans<'a> {
     frames: Frames<'a>,
@@ -106,7 +114,13 @@ pub(crate) struct Scans<'a> {
 }
 
 impl<'a> Scans<'a> {
+    /// The scans up to the first that no fit can use, since it has no area.
     pub(crate) fn new(frames: Frames<'a>, options: ScanOptions) -> Self {
+        let usable = |mesh: &&Mesh| {
+            has_area(&mesh.faces, |v| grid_steps(mesh.positions[v as usize], options.grid))
+        };
+        let count = frames.meshes.iter().take_while(usable).count();
+        let frames = Frames { meshes: &frames.meshes[..count], ..frames };
         Self { frames, options, key: None }
     }
 
@@ -149,8 +163,9 @@ impl<'a> Scans<'a> {
 
 /// Converts world positions to grid steps.
 pub(crate) fn to_grid_steps(positions: &[[f64; 3]], grid: Grid) -> Vec<[f64; 3]> {
-    let step = |p: &[f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|axis| (p[axis] - grid.origin[axis]) / grid.step)
-    };
-    positions.iter().map(step).collect()
+    positions.iter().map(|&position| grid_steps(position, grid)).collect()
+}
+
+fn grid_steps(position: [f64; 3], grid: Grid) -> [f64; 3] {
+    std::array::from_fn(|axis| (position[axis] - grid.origin[axis]) / grid.step)
 }

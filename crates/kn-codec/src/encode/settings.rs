@@ -59,6 +59,8 @@ pub enum Setting {
     ScaleStep,
     #[strum(serialize = "motion.shear_step")]
     ShearStep,
+    #[strum(serialize = "motion.max_error")]
+    MaxError,
     #[strum(serialize = "rate.lambda")]
     Lambda,
     #[strum(serialize = "rate.distortion")]

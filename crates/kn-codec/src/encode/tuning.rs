@@ -10,6 +10,8 @@ pub(crate) struct Tuning {
     pub(crate) rate: RateTuning,
     /// Thresholds at which a frame begins a new GoF.
     pub(crate) failure: FailureTuning,
+    /// The bound on the error of decoded P-frames.
+    pub(crate) error: ErrorTuning,
     /// Key nodes and affine nodes.
     pub(crate) nodes: NodeTuning,
     /// The surrogate of MSDM2.
@@ -32,6 +34,41 @@ pub(crate) struct RateTuning {
 impl Default for RateTuning {
     fn default() -> Self {
         Self { lambda: 3e-5 }
+    }
+}
+
+/// The bound on the error of decoded P-frames (`docs/notes/fit.md`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ErrorTuning {
+    /// The bound where the settings name none, as a share of the scan's size: more than any P-frame
+    /// of seven real sequences has, and half of what is seen as a wrong shape.
+    pub(crate) excess: f64,
+    /// The bound for the part of one region, relative to that for the whole.
+    pub(crate) region_bound: f64,
+    /// Far points that are nearer than this share of the scan's size are one region. Samples of a
+    /// body are a third of it apart.
+    pub(crate) reach: f64,
+    /// Share of the points beyond either side of the box that gives the scan's size.
+    pub(crate) trimmed: f64,
+    /// Components of less than this share of the area are specks ...
+    pub(crate) speck: f64,
+    /// ... in meshes of this number of faces: on a coarser mesh every face is seen.
+    pub(crate) fine: usize,
+    /// Number of points of each kind in each direction.
+    pub(crate) samples: usize,
+}
+
+impl Default for ErrorTuning {
+    fn default() -> Self {
+        Self {
+            excess: 0.01,
+            region_bound: 0.5,
+            reach: 0.025,
+            trimmed: 0.01,
+            speck: 0.01,
+            fine: 2000,
+            samples: 3000,
+        }
     }
 }
 

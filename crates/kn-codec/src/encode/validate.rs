@@ -143,6 +143,8 @@ fn check_intra(intra: &IntraConfig) -> Checked {
 }
 
 fn check_motion(motion: &MotionConfig) -> Checked {
+    let share = motion.max_error;
+    in_range(Setting::MaxError, is_positive(share), "a positive share of the scan's size", share)?;
     let most = motion.nodes.most();
     let rule = match motion.nodes {
         NodeChoice::Fixed(_) => "auto, or from 1 to 4096",

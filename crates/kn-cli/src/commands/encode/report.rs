@@ -4,7 +4,7 @@ use crate::arguments::Global;
 use crate::commands::segment::confidence_json;
 use crate::stream;
 use crate::table::{counted, grouped};
-use kn_codec::{CostReport, FrameReport, StepReport, Summary};
+use kn_codec::{CostReport, FrameReport, PredictedReport, StepReport, Summary};
 use kn_io::ReadNotes;
 use kn_mesh::CleanReport;
 use kn_segment::Segmentation;
@@ -50,8 +50,30 @@ struct CodedEntry {
     input_faces: u32,
     decimation_error: f64,
     fit_rms: f64,
+    error: Option<ErrorEntry>,
     parts: Option<PartsEntry>,
     reason: Option<String>,
+}
+
+/// The error of a P-frame and its bound, as shares of the scan's size.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct ErrorEntry {
+    rms: f64,
+    region: f64,
+    rms_bound: f64,
+    region_bound: f64,
+}
+
+impl From<&PredictedReport> for ErrorEntry {
+    fn from(report: &PredictedReport) -> Self {
+        let (error, bound) = (report.error, report.error_bound);
+        Self {
+            rms: error.rms,
+            region: error.region,
+            rms_bound: bound.rms,
+            region_bound: bound.region,
+        }
+    }
 }
 
 /// Result of the segmentation.
@@ -103,6 +125,7 @@ impl Report {
             input_faces: common.input_faces,
             decimation_error: intra.map_or(0.0, |report| report.decimation_error),
             fit_rms: predicted.map_or(0.0, |report| report.fit_rms),
+            error: predicted.map(ErrorEntry::from),
             parts: common.parts.clone().map(PartsEntry::from),
             reason: intra.and_then(|report| report.reason).map(|reason| reason.to_string()),
         });
@@ -119,6 +142,7 @@ impl Report {
         }
         self.labels.iter().for_each(|warning| global.note(warning));
         self.tell_decimation(global);
+        self.tell_error(global);
         self.tell_parts(global);
         let predicted = summary.frames - summary.intra_frames;
         let mean = |bytes: u64, frames: u64| grouped(bytes.checked_div(frames).unwrap_or(0));
@@ -160,6 +184,20 @@ impl Report {
             (Some(least), Some(most)) if least == most => format!(" with {most} key nodes"),
             (Some(least), Some(most)) => format!(" with {least} to {most} key nodes"),
             _ => String::new(),
+        }
+    }
+
+    /// How far P-frames are from their scans, where there are any: the frame nearest to its bound.
+    fn tell_error(&self, global: &Global) {
+        let coded = self.frames.iter().filter_map(|frame| frame.coded.as_ref());
+        let errors = coded.filter_map(|coded| coded.error);
+        let used = |error: &ErrorEntry| error.rms / error.rms_bound;
+        if let Some(worst) = errors.max_by(|a, b| used(a).total_cmp(&used(b))) {
+            global.note(format_args!(
+                "P-frames are at most {:.2} % of their scans' size away (RMS); the bound is {:.2} %",
+                100.0 * worst.rms,
+                100.0 * worst.rms_bound,
+            ));
         }
     }
 

@@ -44,6 +44,14 @@ pub(super) const SETTINGS: &[NamedSetting] = &[
          units",
     )
     .excludes("iframe_faces"),
+    NamedSetting::new(Setting::MaxError, "pframe_error", "P%", |config, text| {
+        put(&mut config.motion.max_error, percent(text)?)
+    })
+    .about(
+        "Begin a new GoF where a P-frame would be farther from its scan (RMS) than an I-frame by \
+         more than this share of the scan's size [default: 1%]",
+    )
+    .expert(),
     NamedSetting::new(Setting::Nodes, "nodes", "N|AUTO", |config, text| {
         put(&mut config.motion.nodes, parse(text)?)
     })
@@ -176,6 +184,13 @@ fn length(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(length) if length > 0.0 && length.is_finite() => Ok(length),
         _ => Err("give a positive number".into()),
+    }
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.strip_suffix('%').map(str::parse::<f64>) {
+        Some(Ok(percent)) if percent > 0.0 && percent.is_finite() => Ok(percent / 100.0),
+        _ => Err("give a positive share in percent, such as 1%".into()),
     }
 }
 
