@@ -149,7 +149,8 @@ fn first_outside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::influence::{BindOptions, bind};
+    use crate::influence::{BindOptions, Placed, bind};
+    use crate::near_regions::NearRegions;
     use kn_bitstream::params::{InfluenceMode, Weights};
 
     fn bound(positions: &[[i32; 3]], nodes: &[[i32; 3]], q: usize) -> Influence {
@@ -160,7 +161,9 @@ mod tests {
         };
         let mut influence = Influence::default();
         let (v, n) = (vec![0; positions.len()], vec![0; nodes.len()]);
-        bind(positions, &v, nodes, &n, &options, &mut influence).unwrap();
+        let vertices = Placed { positions, regions: &v };
+        let nodes = Placed { positions: nodes, regions: &n };
+        bind(vertices, nodes, &NearRegions::default(), &options, &mut influence).unwrap();
         influence
     }
 

@@ -21,6 +21,7 @@ mod scan;
 mod sequence;
 mod settings;
 mod smoothing;
+mod stretch;
 mod translation;
 mod tuning;
 mod validate;
@@ -42,3 +43,4 @@ pub use report::{
     CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport, Summary,
 };
 pub use settings::{Setting, SettingsError};
+pub use stretch::{Stretch, StretchReport};

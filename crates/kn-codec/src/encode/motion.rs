@@ -8,13 +8,14 @@ use crate::encode::failure::{EarlierFrames, FitFailure};
 use crate::encode::frame_settings::FrameSettings;
 use crate::encode::quantise::{StepComponents, StepRange, Steps, quantise_parameters};
 use crate::encode::report::CostReport;
-use crate::encode::scan::Scan;
+use crate::encode::scan::{Scan, sampled_faces};
 use crate::encode::translation::code_translations;
 use crate::encode::tuning::{StepTuning, Tuning};
 use kn_bitstream::params::Combination;
 use kn_bitstream::{BitWriter, MotionFrame, SequenceHeader};
 use kn_deform::NodeTransform;
 use kn_fit::{Fit, FitError, FitOptions, FitSource, Fitter};
+use kn_mesh::GridMesh;
 
 /// Codes the P-frames of a GoF, one after the other.
 pub(crate) struct MotionEncoder {
@@ -29,6 +30,8 @@ pub(crate) struct MotionEncoder {
     combination: Option<Combination>,
     /// The steps with which the search begins in this frame.
     steps: Option<Steps>,
+    /// The faces of the GoF that D is measured on.
+    sampled: Vec<[u32; 3]>,
     /// `#V × 3`, the reference in grid steps.
     reference: Vec<[f64; 3]>,
     /// `#N × 3`, the nodes in grid steps.
@@ -56,13 +59,15 @@ impl MotionEncoder {
             earlier: EarlierFrames::default(),
             combination: None,
             steps: None,
+            sampled: Vec::new(),
             reference: Vec::new(),
             nodes: Vec::new(),
         }
     }
 
     /// Begins a GoF; `combination` where one was chosen for all of it.
-    pub(crate) fn begin(&mut self, combination: Option<Combination>) {
+    pub(crate) fn begin(&mut self, combination: Option<Combination>, intra: &GridMesh) {
+        self.sampled = sampled_faces(intra, &self.tuning.surrogate);
         self.fitter = None;
         self.earlier = EarlierFrames::default();
         self.steps = None;
@@ -126,7 +131,7 @@ impl MotionEncoder {
     }
 
     fn frame<'a>(
-        &self,
+        &'a self,
         decoded: &'a mut Reconstruction,
         from: Slot,
         scan: &'a Scan,
@@ -145,6 +150,7 @@ impl MotionEncoder {
             decoded,
             from,
             scan,
+            sampled: &self.sampled,
         }
     }
 
@@ -214,6 +220,8 @@ struct Frame<'a> {
     /// The reference that it is deformed from.
     from: Slot,
     scan: &'a Scan,
+    /// The faces that D is measured on.
+    sampled: &'a [[u32; 3]],
 }
 
 /// One way to code a frame.
@@ -260,7 +268,7 @@ impl Frame<'_> {
         let bytes = bits.into_bytes().len() as u64;
         // What the decoder would refuse costs more than anything else.
         let look = |positions: &[[i32; 3]], faces: &[[u32; 3]]| {
-            self.scan.distortion(positions, self.unit, faces)
+            self.scan.distortion(positions, self.unit, faces, self.sampled)
         };
         let distortion = self.decoded.preview(motion, self.from, look).unwrap_or(f64::INFINITY);
         CostReport::new(distortion, bytes, self.lambda)
