@@ -47,7 +47,7 @@ fn a_stream_and_its_files_are_the_same_sequence() {
     assert_eq!(found.frames.len(), FRAMES);
     assert!(found.mean.get(Metric::P2sPsnr).is_some_and(|psnr| psnr > 50.0), "{found:?}");
     assert!(found.mean_predicted.is_some());
-    assert_eq!(found.frames[0].bytes.is_some(), true);
+    assert!(found.frames[0].bytes.is_some());
 }
 
 #[test]

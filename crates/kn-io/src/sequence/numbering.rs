@@ -3,11 +3,14 @@
 use super::super::{MeshError, MeshErrorKind};
 use super::names::{Name, file_name, names_of, natural_order};
 use super::{Found, FrameFile};
+use kn_bitstream::impl_named;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
+use strum::{AsRefStr, EnumMessage, VariantArray};
 
 /// What is done where a numbered sequence lacks a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Missing {
     /// It is an error.
     #[default]
@@ -17,6 +20,8 @@ pub enum Missing {
     /// The frame before is shown again in its place.
     Hold,
 }
+
+impl_named! { Missing: "treatment of missing frames" }
 
 /// The largest number of missing frames that are held: more is no gap in a sequence.
 const MAX_HELD: u64 = 10_000;

@@ -1,14 +1,27 @@
 //! The entries of a configuration file.
 
 use crate::arguments::FrameRange;
-use crate::frames::{FrameFiles, MissingFrames};
+use crate::frames::FrameFiles;
 use crate::nearest::nearest;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use kn_bitstream::params::{FrameRate, UpAxis};
 use kn_codec::{NamedSetting, Preset};
+use kn_io::Missing;
 use kn_metrics::{CompareOptions, PointSampling};
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use std::fmt::Display;
 use std::num::NonZeroU16;
+use std::str::FromStr;
+
+/// Reads a value by its name.
+fn by_name<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: FromStr<Err: Display>,
+{
+    String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
+}
 
 /// Scans in files, or a performer.
 #[derive(Debug, Deserialize)]
@@ -19,7 +32,8 @@ pub(crate) struct SequenceEntry {
     /// A glob of label files, or `auto`.
     pub(crate) labels: Option<String>,
     pub(crate) frames: Option<String>,
-    pub(crate) missing: Option<MissingFrames>,
+    #[serde(default, deserialize_with = "by_name")]
+    pub(crate) missing: Option<Missing>,
     pub(crate) every: Option<NonZeroU16>,
     pub(crate) fps: Option<toml::Value>,
     pub(crate) up: Option<String>,
