@@ -4,7 +4,7 @@
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use kn_bitstream::params::{InfluenceMode, Weights};
 use kn_codec::{Encoder, EncoderConfig, Limits, Progress, StreamDecoder};
-use kn_deform::{BindOptions, Deformer, Influence, NearRegions, NodeTransform, Placed};
+use kn_deform::{BindOptions, Deformer, Influence, NodeTransform};
 use kn_mesh::{Grid, Mesh};
 use kn_performer::{Performer, PerformerConfig};
 use std::hint::black_box;
@@ -68,11 +68,9 @@ fn deform_vertices(criterion: &mut Criterion) {
         mode: InfluenceMode::Strict,
     };
     let (vertex_regions, node_regions) = (vec![0; positions.len()], vec![0; nodes.len()]);
-    let vertices = Placed { positions: &positions, regions: &vertex_regions };
-    let sites = Placed { positions: &nodes, regions: &node_regions };
     let mut influence = Influence::default();
     let bind = |influence: &mut Influence| {
-        kn_deform::bind(vertices, sites, &NearRegions::default(), &options, influence)
+        kn_deform::bind(&positions, &vertex_regions, &nodes, &node_regions, &options, influence)
             .expect("there are nodes");
     };
     let mut group = criterion.benchmark_group("deform");

@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};
-use kn_deform::{BindOptions, Influence, NearRegions, Placed, bind};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
     FitError, FitOptions, FitSource, FitTarget, Fitter, GenerateOptions, NodeCount, NodeSource,
     RankBy, generate_nodes, place_farthest,
@@ -27,9 +27,7 @@ fn fit(criterion: &mut Criterion) {
         };
         let regions = (vec![0; grid.len()], vec![0; sites.len()]);
         let mut influence = Influence::default();
-        let vertices = Placed { positions: &grid, regions: &regions.0 };
-        let nodes = Placed { positions: &sites, regions: &regions.1 };
-        bind(vertices, nodes, &NearRegions::default(), &options, &mut influence)?;
+        bind(&grid, &regions.0, &sites, &regions.1, &options, &mut influence)?;
         Ok(influence)
     };
     let influence = bound(&chosen).expect("nodes");

@@ -8,9 +8,7 @@ use std::path::Path;
 
 use kn_bitstream::range::{BinaryCoder, BitModel, RangeDecoder};
 use kn_codec::intra::{IntraDecoder, IntraEncoding, IntraLimits, decode_intra, encode_intra};
-use kn_deform::{
-    BindOptions, Deformer, Influence, NearRegions, NodeTransform, Placed, bind, sin_cos,
-};
+use kn_deform::{BindOptions, Deformer, Influence, NodeTransform, bind, sin_cos};
 use kn_mesh::GridMesh;
 
 /// The lines of the one block of this kind in a chapter.
@@ -148,9 +146,7 @@ fn the_vertex_of_chapter_8_moves_as_written() {
         mode: InfluenceMode::Strict,
     };
     let mut influence = Influence::default();
-    let vertex = Placed { positions: &[VERTEX], regions: &[0] };
-    let nodes = Placed { positions: &NODES, regions: &[0, 0] };
-    bind(vertex, nodes, &NearRegions::default(), &options, &mut influence).expect("nodes");
+    bind(&[VERTEX], &[0], &NODES, &[0, 0], &options, &mut influence).expect("nodes");
     let units = |p: [i32; 3]| p.map(|x| 256 * x);
     let mut moved = Vec::new();
     Deformer::default()

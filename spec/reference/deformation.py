@@ -69,64 +69,28 @@ def nearest_vertex(point, positions):
     return min(range(len(positions)), key=lambda vertex: squared_distance(positions[vertex], point))
 
 
-def surface_distances(region, mesh, regions):
-    """By vertex: the least sum of lengths of edges on the way to a vertex of a region. r[deform.influence.near]"""
-    lengths = {}
-    for a, b, c in mesh.faces:
-        for v, w in ((a, b), (b, c), (c, a)):
-            length = max(math.isqrt(squared_distance(mesh.positions[v], mesh.positions[w])), 1)
-            lengths.setdefault(v, {})[w] = length
-            lengths.setdefault(w, {})[v] = length
-    found = {}
-    waiting = [(0, v) for v, own in enumerate(regions) if own == region]
-    while waiting:
-        s, v = heapq.heappop(waiting)
-        if v not in found and s < 2**21:
-            found[v] = s
-            for w, length in lengths.get(v, {}).items():
-                heapq.heappush(waiting, (s + length, w))
-    return found
-
-
-def near_regions(mesh, regions):
-    """By vertex: pairs (s, region) of the near regions. r[deform.influence.near]"""
-    by_region = {region: surface_distances(region, mesh, regions) for region in set(regions)}
-    near = []
-    for v, own in enumerate(regions):
-        others = [(s[v], region) for region, s in by_region.items() if region != own and v in s]
-        near.append(sorted(others)[:2])
-    return near
-
-
-def bind(mesh, regions, nodes, node_regions, header, sigma):
-    """The influence of every vertex: a list of Q pairs (node, weight). Positions of the mesh and nodes in
-    grid steps; regions and node_regions are their regions."""
-    Q = header.nodes_per_vertex
-    nodes_of = {}
-    for node, region in enumerate(node_regions):
-        nodes_of.setdefault(region, []).append(node)
-    near = near_regions(mesh, regions) if header.influence_blended else [[] for _ in regions]
+def bind(positions, regions, nodes, node_regions, header, sigma):
+    """The influence of every vertex: a list of Q pairs (node, weight). positions and nodes in grid
+    steps; regions and node_regions are their regions."""
+    all_nodes = list(range(len(nodes)))
+    candidates_of = {region: [] for region in regions}
+    for node in all_nodes:
+        candidates_of.setdefault(node_regions[node], []).append(node)
+    for region in candidates_of:
+        if not candidates_of[region]:
+            # r[deform.influence.strict] r[deform.influence.mode]
+            require(header.influence_mode == 1, "deform.influence.strict", f"region {region} has no node")
+            candidates_of[region] = all_nodes
     influences = []
-    for x, region, others in zip(mesh.positions, regions, near):
-        # r[deform.influence.nearest] r[deform.influence.blended]: pairs (squared distance, node)
-        candidates = [(squared_distance(x, nodes[node]), node) for node in nodes_of.get(region, [])]
-        for s, other in others:
-            least = s * s if region in nodes_of else 0
-            for node in nodes_of.get(other, []):
-                candidates.append((max(squared_distance(x, nodes[node]), least), node))
-        # r[deform.influence.strict]
-        present = region in nodes_of or header.influence_mode == 1
-        require(present, "deform.influence.strict", f"region {region} has no node")
-        # r[deform.influence.mode]
-        if not candidates:
-            candidates = [(squared_distance(x, n), node) for node, n in enumerate(nodes)]
-        influences.append(influence(candidates, Q, header.weight_scheme, sigma))
+    for x, region in zip(positions, regions):
+        candidates = candidates_of[region]
+        influences.append(influence(x, candidates, nodes, header.nodes_per_vertex, header.weight_scheme, sigma))
     return influences
 
 
-def influence(candidates, Q, weight_scheme, sigma):
-    # the candidate behind the Q-th is for Sumner's weights
-    ranked = heapq.nsmallest(Q + 1, candidates)
+def influence(x, candidates, nodes, Q, weight_scheme, sigma):
+    # r[deform.influence.nearest]; the candidate behind the Q-th is for Sumner's weights
+    ranked = heapq.nsmallest(Q + 1, ((squared_distance(x, nodes[node]), node) for node in candidates))
     M = len(candidates)
     # r[deform.influence.replication]
     if M >= Q:

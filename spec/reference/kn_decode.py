@@ -219,7 +219,7 @@ class Decoder:
         else:
             group.affine = [bit == 1 for bit in k.affine_node]
         group.influences = deformation.bind(
-            mesh,
+            mesh.positions,
             [header.regions[label] for label in mesh.labels],
             nodes,
             [header.regions[label] for label in node_labels],

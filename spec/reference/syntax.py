@@ -64,9 +64,7 @@ def sequence_header(r):
     h.label_set = r.u(2, "label_set")
     require(h.label_set <= 2, "header.labels.known", "label_set 3")
     h.names_present = r.u(1, "names_present")
-    h.influence_blended = r.u(1, "influence_blended")
-    require(h.influence_blended <= h.influence_mode, "header.influence.range", "strict influence is blended")
-    require(r.u(3, "reserved_zero") == 0, "header.reserved.zero", "reserved_zero is not 0")
+    require(r.u(4, "reserved_zero") == 0, "header.reserved.zero", "reserved_zero is not 0")
     h.grid_origin = []
     for axis in range(3):
         h.grid_origin.append(r.f64(f"grid_origin[{axis}]"))

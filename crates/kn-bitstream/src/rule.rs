@@ -81,7 +81,6 @@ rules! {
     HEADER_GROUP_RANGE = "header.group.range", "max_group_length must be from 1 to the level's limit";
     HEADER_NODES_RANGE = "header.nodes.range", "nodes_per_vertex must be from 1 to 8";
     HEADER_WEIGHT_KNOWN = "header.weight.known", "weight_scheme must be 0, 1 or 2";
-    HEADER_INFLUENCE_RANGE = "header.influence.range", "influence_blended must be 0 where influence_mode is 0";
     HEADER_LABELS_KNOWN = "header.labels.known", "label_set must be 0, 1 or 2";
     HEADER_RESERVED_ZERO = "header.reserved.zero", "the reserved bits of the sequence header must be zero";
     HEADER_ORIGIN_FINITE = "header.origin.finite", "grid_origin must be finite";

@@ -33,7 +33,7 @@ pub struct SequenceHeader {
     pub nodes_per_vertex: u8,
     /// Weights of the nodes by their distance from the vertex.
     pub weight_scheme: WeightScheme,
-    /// Influence of the nodes of other regions.
+    /// Influence in a region without nodes.
     pub influence_mode: InfluenceMode,
     /// Labels of the vertices, and their regions.
     pub labels: LabelSet,
@@ -74,15 +74,11 @@ impl SequenceHeader {
         let nodes_per_vertex = bits.u8("nodes_per_vertex", 4)?;
         bits.require((1..=8).contains(&nodes_per_vertex), rule::HEADER_NODES_RANGE)?;
         let weight_scheme = WeightScheme::read(bits)?;
-        let has_fallback = bits.flag("influence_mode")?;
+        let influence_mode = InfluenceMode::read(bits)?;
         let label_set = bits.u8("label_set", 2)?;
         bits.require_supported(label_set < 3, rule::HEADER_LABELS_KNOWN)?;
         let names_present = bits.flag("names_present")?;
-        let is_blended = bits.flag("influence_blended")?;
-        let influence_mode = InfluenceMode::of_stream(has_fallback, is_blended);
-        let influence_mode = influence_mode
-            .ok_or(Error::malformed(rule::HEADER_INFLUENCE_RANGE, bits.position()))?;
-        let reserved = bits.u8("reserved_zero", 3)?;
+        let reserved = bits.u8("reserved_zero", 4)?;
         bits.require_supported(reserved == 0, rule::HEADER_RESERVED_ZERO)?;
         let mut grid_origin = [0.0; 3];
         for axis in 0..3 {
@@ -124,11 +120,10 @@ impl SequenceHeader {
         bits.u(u64::from(self.max_group_length), 8);
         bits.u(u64::from(self.nodes_per_vertex), 4);
         bits.u(self.weight_scheme as u64, 2);
-        bits.flag(self.influence_mode != InfluenceMode::Strict);
+        bits.u(self.influence_mode as u64, 1);
         bits.u(self.labels.code(), 2);
         bits.flag(self.names.is_some());
-        bits.flag(self.influence_mode == InfluenceMode::Blended);
-        bits.u(0, 3);
+        bits.u(0, 4);
         self.grid_origin.iter().for_each(|&origin| bits.f64(origin));
         bits.f64(self.grid_step);
         self.labels.write(bits);
@@ -175,13 +170,8 @@ impl WeightScheme {
 }
 
 impl InfluenceMode {
-    fn of_stream(has_fallback: bool, is_blended: bool) -> Option<Self> {
-        match (has_fallback, is_blended) {
-            (false, false) => Some(Self::Strict),
-            (true, false) => Some(Self::Fallback),
-            (true, true) => Some(Self::Blended),
-            (false, true) => None,
-        }
+    fn read(bits: &mut BitReader<'_, '_>) -> Result<Self, Error> {
+        Ok(if bits.flag("influence_mode")? { Self::Fallback } else { Self::Strict })
     }
 }
 
@@ -278,8 +268,7 @@ pub(crate) mod tests {
     #[test]
     fn reads_what_it_writes() {
         let plain = SequenceHeader { labels: LabelSet::Body, names: None, ..example() };
-        let blended = SequenceHeader { influence_mode: InfluenceMode::Blended, ..example() };
-        for header in [example(), plain, blended] {
+        for header in [example(), plain] {
             assert_eq!(read(&written(&header)), Ok(header));
         }
     }

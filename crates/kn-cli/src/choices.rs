@@ -22,14 +22,6 @@ pub(crate) fn preset() -> impl TypedValueParser<Value = &'static Preset> {
         .try_map(|name| Preset::by_name(&name).ok_or("no such preset"))
 }
 
-/// Reads a share such as `0.1%`, above 0 and below 100 %.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    match text.strip_suffix('%').map(str::parse::<f64>) {
-        Some(Ok(percent)) if percent > 0.0 && percent < 100.0 => Ok(percent / 100.0),
-        _ => Err("give a share in per cent, such as 0.1%".into()),
-    }
-}
-
 /// Reads a number of threads or jobs.
 pub(crate) fn count(text: &str) -> Result<NonZeroU16, String> {
     text.parse().map_err(|_| format!("give a number from 1 to {}", u16::MAX))
@@ -38,14 +30,6 @@ pub(crate) fn count(text: &str) -> Result<NonZeroU16, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shares_are_in_per_cent() {
-        assert_eq!(share("0.1%"), Ok(0.001));
-        for bad in ["0.1", "0%", "100%", "-1%", "%", "x%"] {
-            assert!(share(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn counts_are_from_1_on() {

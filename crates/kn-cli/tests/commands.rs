@@ -105,7 +105,7 @@ fn info_has_every_frame() {
                     unit up weights";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     let words = ["unit", "up", "weights", "influence", "labels"].map(|key| &info[key]);
-    assert_eq!(words, ["unspecified", "y", "sumner", "blended", "body"]);
+    assert_eq!(words, ["unspecified", "y", "sumner", "fallback", "body"]);
     assert_eq!((&info["group_length"], &info["nodes_per_vertex"]), (&3.into(), &4.into()));
     assert!(info["step"].as_f64().is_some_and(|step| step > 0.0));
     assert_eq!(info["bytes"], fs::metadata(&stream).expect("written").len());

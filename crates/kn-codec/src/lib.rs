@@ -75,7 +75,7 @@ pub use encode::{
     FrameError, FrameReport, GridChoice, InputFault, IntraConfig, IntraReport, LabelChoice,
     MotionConfig, NamedSetting, NodeChoice, NodePlacement, PredictedReport, Preset, RateConfig,
     SequenceConfig, SetError, Setting, SettingsError, SmoothingChoice, StepChoice, StepReport,
-    Stretch, StretchReport, Summary, TranslationChoice,
+    Summary, TranslationChoice,
 };
 
 #[cfg(feature = "encode")]

@@ -149,8 +149,7 @@ fn first_outside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::influence::{BindOptions, Placed, bind};
-    use crate::near_regions::NearRegions;
+    use crate::influence::{BindOptions, bind};
     use kn_bitstream::params::{InfluenceMode, Weights};
 
     fn bound(positions: &[[i32; 3]], nodes: &[[i32; 3]], q: usize) -> Influence {
@@ -161,9 +160,7 @@ mod tests {
         };
         let mut influence = Influence::default();
         let (v, n) = (vec![0; positions.len()], vec![0; nodes.len()]);
-        let vertices = Placed { positions, regions: &v };
-        let nodes = Placed { positions: nodes, regions: &n };
-        bind(vertices, nodes, &NearRegions::default(), &options, &mut influence).unwrap();
+        bind(positions, &v, nodes, &n, &options, &mut influence).unwrap();
         influence
     }
 

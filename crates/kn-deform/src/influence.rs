@@ -1,7 +1,6 @@
 //! Influence: the Q key nodes that move a vertex, and their weights. It is bound once for each GoF,
 //! on the decoded I-frame.
 
-use crate::near_regions::NearRegions;
 use crate::parallel::*;
 use crate::weights::{Distances, normalised_weights};
 use kn_bitstream::params::{InfluenceMode, Weights};
@@ -59,108 +58,67 @@ const MAX_Q: usize = 8;
 /// Vertices per unit of parallel work.
 const CHUNK: usize = 1024;
 
-/// Points on the grid, and the region of each: the vertices of an I-frame, or key nodes.
-#[derive(Clone, Copy, Debug)]
-pub struct Placed<'a> {
-    /// `#P × 3` in grid steps, magnitudes below 2^20.
-    pub positions: &'a [[i32; 3]],
-    /// `#P`.
-    pub regions: &'a [u8],
-}
-
 /// Binds every vertex to its Q nearest allowed nodes (bi-modal paper, eq. (1)–(2);
-/// `deform.influence.*`): those of its region, and of the regions in `near`.
+/// `deform.influence.*`).
 ///
-/// Squared distances are exact; ties go to the lower node index. The result reuses the buffers of
-/// `influence`.
+/// `positions` `#V × 3` and `nodes` `#N × 3` in grid steps, magnitudes below 2^20;
+/// `vertex_regions` `#V` and `node_regions` `#N`. Squared distances are exact; ties go to the lower
+/// node index. The result reuses the buffers of `influence`.
 ///
 /// # Errors
 /// No node, more than 65,536; Q not 1 to 8; strict mode and a region without a node; array lengths
 /// that disagree.
 pub fn bind(
-    vertices: Placed,
-    nodes: Placed,
-    near: &NearRegions,
+    positions: &[[i32; 3]],
+    vertex_regions: &[u8],
+    nodes: &[[i32; 3]],
+    node_regions: &[u8],
     options: &BindOptions,
     influence: &mut Influence,
 ) -> Result<(), BindError> {
     let q = options.nodes_per_vertex;
-    check(vertices, nodes, near, q)?;
-    let binding = Binding { vertices, near, candidates: Candidates::new(nodes), options };
-    binding.candidates.check_strict(vertices.regions, options.mode)?;
+    if q == 0 || q > MAX_Q {
+        return Err(BindError::Arguments("nodes_per_vertex is not 1 to 8"));
+    }
+    if positions.len() != vertex_regions.len() || nodes.len() != node_regions.len() {
+        return Err(BindError::Arguments("one region per vertex and per node"));
+    }
+    if nodes.is_empty() {
+        return Err(BindError::NoNodes);
+    }
+    if u16::try_from(nodes.len() - 1).is_err() {
+        return Err(BindError::Arguments("more than 65536 nodes"));
+    }
+    let candidates = Candidates::new(nodes, node_regions);
+    candidates.check_strict(vertex_regions, options.mode)?;
     influence.nodes_per_vertex = q;
-    influence.nodes.resize(vertices.positions.len() * q, 0);
-    influence.weights.resize(vertices.positions.len() * q, 0.0);
+    influence.nodes.resize(positions.len() * q, 0);
+    influence.weights.resize(positions.len() * q, 0.0);
     influence
         .nodes
         .par_chunks_mut(CHUNK * q)
         .zip(influence.weights.par_chunks_mut(CHUNK * q))
         .enumerate()
-        .for_each(|(chunk, (nodes, weights))| binding.fill_chunk(chunk * CHUNK, nodes, weights));
-    Ok(())
-}
-
-fn check(vertices: Placed, nodes: Placed, near: &NearRegions, q: usize) -> Result<(), BindError> {
-    if q == 0 || q > MAX_Q {
-        return Err(BindError::Arguments("nodes_per_vertex is not 1 to 8"));
-    }
-    let placed = |placed: Placed| placed.positions.len() == placed.regions.len();
-    if !placed(vertices) || !placed(nodes) {
-        return Err(BindError::Arguments("one region per vertex and per node"));
-    }
-    if !near.is_of(vertices.positions.len()) {
-        return Err(BindError::Arguments("the near regions are those of other vertices"));
-    }
-    if nodes.positions.is_empty() {
-        return Err(BindError::NoNodes);
-    }
-    if u16::try_from(nodes.positions.len() - 1).is_err() {
-        return Err(BindError::Arguments("more than 65536 nodes"));
-    }
-    Ok(())
-}
-
-/// What the influence of every vertex follows from.
-struct Binding<'a> {
-    vertices: Placed<'a>,
-    near: &'a NearRegions,
-    candidates: Candidates<'a>,
-    options: &'a BindOptions,
-}
-
-impl Binding<'_> {
-    /// Fills the slots of the vertices from `first` on.
-    fn fill_chunk(&self, first: usize, nodes: &mut [u16], weights: &mut [f64]) {
-        let q = self.options.nodes_per_vertex;
-        let slots = nodes.chunks_exact_mut(q).zip(weights.chunks_exact_mut(q));
-        let mut found = Nearest::default();
-        let mut found_in = None;
-        for (offset, (nodes, weights)) in slots.enumerate() {
-            let vertex = first + offset;
-            let region = self.vertices.regions[vertex];
-            let position = self.vertices.positions[vertex].map(f64::from);
-            // Neighbours in the order of vertices are near each other, and so are their nodes.
-            let hint = if found_in == Some(region) { Some(&found) } else { None };
-            found = self.candidates.nearest_of_region(region, position, q + 1, hint);
-            found_in = Some(region);
-            let mut all = found;
-            for near in self.near.of_vertex(vertex) {
-                let list = &self.candidates.by_region[usize::from(near.region)];
-                // Where there are no own nodes, the near ones are as far as they are.
-                let least = if found.count == 0 { 0.0 } else { near.squared() };
-                all.merge(list, position, least, q + 1);
+        .for_each(|(chunk, (nodes, weights))| {
+            let slots = nodes.chunks_exact_mut(q).zip(weights.chunks_exact_mut(q));
+            let mut found = Nearest::default();
+            let mut found_in = None;
+            for (offset, (nodes, weights)) in slots.enumerate() {
+                let vertex = chunk * CHUNK + offset;
+                let region = vertex_regions[vertex];
+                let list = candidates.of_region(region);
+                // Neighbours in the order of vertices are near each other, and so are their nodes.
+                let bound = if found_in == Some(region) { Some(&found) } else { None };
+                found = nearest(positions[vertex].map(f64::from), list, q + 1, bound);
+                found_in = Some(region);
+                fill_slots(&found, list, options.weights, nodes, weights);
             }
-            if all.count == 0 {
-                all = nearest(position, &self.candidates.all, q + 1, f64::INFINITY);
-            }
-            fill_slots(&all, self.options.weights, nodes, weights);
-        }
-    }
+        });
+    Ok(())
 }
 
 /// Nodes sorted into the lists that vertices choose from.
-struct Candidates<'a> {
-    nodes: &'a [[i32; 3]],
+struct Candidates {
     /// By region: its nodes by rising index; empty where it has none.
     by_region: Vec<NodeList>,
     /// All nodes.
@@ -200,44 +158,31 @@ impl NodeList {
             d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
         })
     }
+
+    fn squared_of(&self, place: u16, position: [f64; 3]) -> f64 {
+        let place = usize::from(place);
+        Self::squared(&self.blocks[place / LANES], position)[place % LANES]
+    }
 }
 
-impl<'a> Candidates<'a> {
-    fn new(nodes: Placed<'a>) -> Self {
+impl Candidates {
+    fn new(nodes: &[[i32; 3]], regions: &[u8]) -> Self {
         let mut by_region = vec![NodeList::default(); 256];
         let mut all = NodeList::default();
-        for (index, (&node, &region)) in nodes.positions.iter().zip(nodes.regions).enumerate() {
+        for (index, (&node, &region)) in nodes.iter().zip(regions).enumerate() {
             by_region[usize::from(region)].push(index, node);
             all.push(index, node);
         }
-        Self { nodes: nodes.positions, by_region, all }
+        Self { by_region, all }
     }
 
-    /// The `wanted` nearest nodes of a region. `hint` is what another vertex found there: its nodes
-    /// bound the distance, whichever they are, so it changes the time and not the result.
-    fn nearest_of_region(
-        &self,
-        region: u8,
-        position: [f64; 3],
-        wanted: usize,
-        hint: Option<&Nearest>,
-    ) -> Nearest {
-        let mut limit = f64::INFINITY;
-        if let Some(hint) = hint.filter(|hint| hint.count == wanted) {
-            let squared_of = |&node: &u16| -> f64 {
-                let node = self.nodes[usize::from(node)].map(f64::from);
-                let d: [f64; 3] = std::array::from_fn(|axis| node[axis] - position[axis]);
-                d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-            };
-            let farthest = hint.node[..wanted].iter().map(squared_of).fold(0.0, f64::max);
-            // Squared distances are integers: below the next one is the same as not above this one.
-            limit = farthest + 1.0;
-        }
-        nearest(position, &self.by_region[usize::from(region)], wanted, limit)
+    fn of_region(&self, region: u8) -> &NodeList {
+        let list = &self.by_region[usize::from(region)];
+        if list.index.is_empty() { &self.all } else { list }
     }
 
     fn check_strict(&self, vertex_regions: &[u8], mode: InfluenceMode) -> Result<(), BindError> {
-        if mode != InfluenceMode::Strict {
+        if mode == InfluenceMode::Fallback {
             return Ok(());
         }
         let lacks_nodes = |region: u8| self.by_region[usize::from(region)].index.is_empty();
@@ -251,16 +196,25 @@ impl<'a> Candidates<'a> {
 }
 
 /// The nearest candidates of one vertex, by rising squared distance, then by rising index.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 struct Nearest {
     squared: [f64; MAX_Q + 1],
-    node: [u16; MAX_Q + 1],
+    /// Places in the list of candidates.
+    place: [u16; MAX_Q + 1],
     count: usize,
 }
 
-/// The `wanted` nearest nodes of `list` among those whose squared distance is below `limit`.
-fn nearest(position: [f64; 3], list: &NodeList, wanted: usize, mut limit: f64) -> Nearest {
+/// The `wanted` nearest nodes of `list`. `hint` is what another vertex found there: its nodes
+/// bound the distance, whichever they are, so it changes the time and not the result.
+fn nearest(position: [f64; 3], list: &NodeList, wanted: usize, hint: Option<&Nearest>) -> Nearest {
     let mut found = Nearest::default();
+    let mut limit = f64::INFINITY;
+    if let Some(hint) = hint.filter(|hint| hint.count == wanted) {
+        let places = hint.place[..wanted].iter();
+        let farthest = places.map(|&p| list.squared_of(p, position)).fold(0.0, f64::max);
+        // Squared distances are integers: below the next one is the same as not above this one.
+        limit = farthest + 1.0;
+    }
     for (number, block) in list.blocks.iter().enumerate() {
         let squared = NodeList::squared(block, position);
         if !squared.iter().fold(false, |any, &squared| any | (squared < limit)) {
@@ -269,7 +223,7 @@ fn nearest(position: [f64; 3], list: &NodeList, wanted: usize, mut limit: f64) -
         for lane in 0..LANES {
             // Candidates come by rising index, so an equal distance never displaces an earlier one.
             if squared[lane] < limit {
-                found.insert(wanted, squared[lane], list.index[number * LANES + lane]);
+                found.insert(wanted, squared[lane], (number * LANES + lane) as u16);
                 if found.count == wanted {
                     limit = found.squared[wanted - 1];
                 }
@@ -280,54 +234,35 @@ fn nearest(position: [f64; 3], list: &NodeList, wanted: usize, mut limit: f64) -
 }
 
 impl Nearest {
-    /// Inserts the nodes of a list. Their squared distances count as `least` where they are less.
-    fn merge(&mut self, list: &NodeList, position: [f64; 3], least: f64, wanted: usize) {
-        for (number, block) in list.blocks.iter().enumerate() {
-            let limit = if self.count == wanted { self.squared[wanted - 1] } else { f64::MAX };
-            if least > limit {
-                return;
-            }
-            let squared = NodeList::squared(block, position).map(|squared| squared.max(least));
-            if !squared.iter().fold(false, |any, &squared| any | (squared <= limit)) {
-                continue;
-            }
-            for lane in 0..LANES {
-                if squared[lane] <= limit {
-                    self.insert(wanted, squared[lane], list.index[number * LANES + lane]);
-                }
-            }
-        }
-    }
-
-    /// Inserts a node at its rank, if that is below `wanted`.
-    fn insert(&mut self, wanted: usize, squared: f64, node: u16) {
-        let mut slot = self.count;
-        while slot > 0 {
-            let before = (self.squared[slot - 1], self.node[slot - 1]);
-            if before < (squared, node) {
-                break;
-            }
-            if slot < wanted {
-                (self.squared[slot], self.node[slot]) = before;
-            }
+    /// Inserts behind all entries that are not farther.
+    fn insert(&mut self, wanted: usize, squared: f64, place: u16) {
+        let mut slot = self.count.min(wanted - 1);
+        while slot > 0 && self.squared[slot - 1] > squared {
+            self.squared[slot] = self.squared[slot - 1];
+            self.place[slot] = self.place[slot - 1];
             slot -= 1;
         }
-        if slot < wanted {
-            (self.squared[slot], self.node[slot]) = (squared, node);
-            self.count = (self.count + 1).min(wanted);
-        }
+        self.squared[slot] = squared;
+        self.place[slot] = place;
+        self.count = (self.count + 1).min(wanted);
     }
 }
 
 /// Fills the Q slots of one vertex; where nodes are short the nearest is replicated in front
 /// (bi-modal paper, manual segmentation; `deform.influence.replication`).
-fn fill_slots(found: &Nearest, how: Weights, nodes: &mut [u16], weights: &mut [f64]) {
+fn fill_slots(
+    found: &Nearest,
+    list: &NodeList,
+    how: Weights,
+    nodes: &mut [u16],
+    weights: &mut [f64],
+) {
     let q = nodes.len();
     let used = found.count.min(q);
     let mut squared = [0.0; MAX_Q];
     for slot in 0..q {
         let rank = slot.saturating_sub(q - used);
-        nodes[slot] = found.node[rank];
+        nodes[slot] = list.index[usize::from(found.place[rank])];
         squared[slot] = found.squared[rank];
     }
     let next_squared = (found.count > q).then(|| found.squared[q]);
@@ -351,9 +286,7 @@ mod tests {
 
     fn bind_one(nodes: &[[i32; 3]], regions: &[u8], options: &BindOptions) -> Influence {
         let mut influence = Influence::default();
-        let vertex = Placed { positions: &[[0, 0, 0]], regions: &[1] };
-        let nodes = Placed { positions: nodes, regions };
-        bind(vertex, nodes, &NearRegions::default(), options, &mut influence).unwrap();
+        bind(&[[0, 0, 0]], &[1], nodes, regions, options, &mut influence).unwrap();
         influence
     }
 
@@ -374,9 +307,7 @@ mod tests {
     #[test]
     fn strict_mode_refuses_a_region_without_nodes() {
         let mut influence = Influence::default();
-        let vertices = Placed { positions: &[[0; 3]; 2], regions: &[0, 5] };
-        let node = Placed { positions: &[[1; 3]], regions: &[0] };
-        let result = bind(vertices, node, &NearRegions::default(), &OPTIONS, &mut influence);
+        let result = bind(&[[0; 3]; 2], &[0, 5], &[[1; 3]], &[0], &OPTIONS, &mut influence);
         assert_eq!(result, Err(BindError::RegionWithoutNodes { region: 5, vertex: 1 }));
     }
 
@@ -390,9 +321,7 @@ mod tests {
     #[test]
     fn no_nodes_is_an_error() {
         let mut influence = Influence::default();
-        let vertex = Placed { positions: &[[0; 3]], regions: &[0] };
-        let none = Placed { positions: &[], regions: &[] };
-        let result = bind(vertex, none, &NearRegions::default(), &OPTIONS, &mut influence);
+        let result = bind(&[[0; 3]], &[0], &[], &[], &OPTIONS, &mut influence);
         assert_eq!(result, Err(BindError::NoNodes));
     }
 
@@ -412,9 +341,7 @@ mod tests {
                 ..OPTIONS
             };
             let mut influence = Influence::default();
-            let placed = Placed { positions: &vertices, regions: &vertex_regions };
-            let sites = Placed { positions: &nodes, regions: &regions };
-            bind(placed, sites, &NearRegions::default(), &options, &mut influence).unwrap();
+            bind(&vertices, &vertex_regions, &nodes, &regions, &options, &mut influence).unwrap();
             for (vertex, position) in vertices.iter().enumerate() {
                 let region = vertex_regions[vertex];
                 let own = regions.contains(&region);

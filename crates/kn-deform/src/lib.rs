@@ -8,7 +8,6 @@
 mod deform;
 mod elementary;
 mod influence;
-mod near_regions;
 mod parallel;
 mod smoothing;
 mod transform;
@@ -16,7 +15,6 @@ mod weights;
 
 pub use deform::{DeformError, Deformer};
 pub use elementary::{exp_neg, sin_cos};
-pub use influence::{BindError, BindOptions, Influence, Placed, bind};
-pub use near_regions::NearRegions;
+pub use influence::{BindError, BindOptions, Influence, bind};
 pub use smoothing::Smoother;
 pub use transform::NodeTransform;

@@ -3,8 +3,7 @@
 
 use kn_bitstream::params::{InfluenceMode, Weights};
 use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, NearRegions, NodeTransform, Placed, Smoother,
-    bind, exp_neg, sin_cos,
+    BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind, exp_neg, sin_cos,
 };
 
 /// FNV-1a over 64-bit words.
@@ -101,15 +100,20 @@ fn influence_and_deformation() {
     let mut digest = Digest::new();
     let mut influence = Influence::default();
     for (q, scheme) in (1..=8).flat_map(|q| schemes.map(|scheme| (q, scheme))) {
-        let vertices = Placed { positions: &vertices, regions: &vertex_regions };
-        let sites = Placed { positions: &nodes, regions: &node_regions };
-        let none = NearRegions::default();
-        bind(vertices, sites, &none, &options(q, scheme), &mut influence).expect("sound arguments");
+        bind(
+            &vertices,
+            &vertex_regions,
+            &nodes,
+            &node_regions,
+            &options(q, scheme),
+            &mut influence,
+        )
+        .expect("sound arguments");
         influence.nodes.iter().for_each(|&node| digest.word(u64::from(node)));
         influence.weights.iter().for_each(|&weight| digest.float(weight));
         let mut deformed = Vec::new();
         Deformer::default()
-            .deform(vertices.positions, &influence, &nodes, &transforms, 1 << 28, &mut deformed)
+            .deform(&vertices, &influence, &nodes, &transforms, 1 << 28, &mut deformed)
             .expect("inside the range");
         deformed.as_flattened().iter().for_each(|&x| digest.word(x as u64));
     }
@@ -148,11 +152,9 @@ fn nodes_are_as_many_as_16_bits_tell_apart() {
     for (count, sound) in [(1, true), (1 << 16, true), ((1 << 16) + 1, false)] {
         let nodes: Vec<[i32; 3]> = (0..count).map(|x| [x, 0, 0]).collect();
         let last = nodes[nodes.len() - 1];
-        let vertex = Placed { positions: &[last], regions: &[0] };
-        let nodes = Placed { positions: &nodes, regions: &vec![0; nodes.len()] };
-        let result = bind(vertex, nodes, &NearRegions::default(), &options, &mut influence);
+        let result = bind(&[last], &[0], &nodes, &vec![0; nodes.len()], &options, &mut influence);
         assert_eq!(result.is_ok(), sound, "{count}");
-        assert!(!sound || usize::from(influence.nodes[0]) == nodes.positions.len() - 1);
+        assert!(!sound || usize::from(influence.nodes[0]) == nodes.len() - 1);
     }
 }
 
@@ -161,9 +163,7 @@ fn q_is_one_to_eight() {
     let mut influence = Influence::default();
     for q in [0, 9] {
         let options = options(q, Weights::SUMNER);
-        let vertex = Placed { positions: &[[0; 3]], regions: &[0] };
-        let node = Placed { positions: &[[1; 3]], regions: &[0] };
-        let result = bind(vertex, node, &NearRegions::default(), &options, &mut influence);
+        let result = bind(&[[0; 3]], &[0], &[[1; 3]], &[0], &options, &mut influence);
         assert!(matches!(result, Err(BindError::Arguments(_))), "{q}");
     }
 }

@@ -7,8 +7,6 @@
 pub(crate) mod sampling {
     /// Points sampled on either mesh for all passes but the last.
     pub(crate) const SAMPLES: usize = 3000;
-    /// A connected piece with less than this share of the area is an island.
-    pub(crate) const ISLAND: f64 = 0.01;
     /// A surface crosses about this many cells of side h per h² of its area.
     pub(crate) const CELLS_PER_AREA: f64 = 1.5;
     /// The middle of the surface is where it is nearest to its centroid; it goes this many times as

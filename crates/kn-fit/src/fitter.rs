@@ -348,15 +348,12 @@ impl Fitter {
 }
 
 /// The combination of each node.
-pub(crate) fn combinations(source: &FitSource, affine: Combination) -> Vec<Combination> {
+fn combinations(source: &FitSource, affine: Combination) -> Vec<Combination> {
     source.affine.iter().map(|&a| if a { affine } else { Combination::RT }).collect()
 }
 
 /// Transforms with what the combinations do not have at its neutral value.
-pub(crate) fn restrict(
-    transforms: &[NodeTransform],
-    combinations: &[Combination],
-) -> Vec<NodeTransform> {
+fn restrict(transforms: &[NodeTransform], combinations: &[Combination]) -> Vec<NodeTransform> {
     let restrict = |(transform, combination): (&NodeTransform, &Combination)| NodeTransform {
         rotation: if combination.rotation { transform.rotation } else { [0.0; 3] },
         scale: if combination.scale { transform.scale } else { [1.0; 3] },

@@ -14,7 +14,7 @@ use crate::options::FitOptions;
 use crate::report::FitReport;
 use crate::source::check_length;
 use crate::target::FitTarget;
-use kn_deform::{Influence, NodeTransform};
+use kn_deform::Influence;
 use trial::{Setting, Trial};
 
 /// The reference mesh that nodes are chosen on.
@@ -72,17 +72,8 @@ pub struct GenerateOptions<'a> {
     pub explains: &'a dyn Fn(&FitReport) -> bool,
 }
 
-/// Nodes, and the motion to the key frame that they were chosen by.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Generated {
-    /// `#N` vertex indices, rising.
-    pub nodes: Vec<u32>,
-    /// `#N`.
-    pub transforms: Vec<NodeTransform>,
-}
-
-/// Chooses nodes such that their motion explains `key`, a frame of the GoF with much motion. `None`
-/// where even the dense set cannot track it.
+/// Chooses nodes (`#N` vertex indices, rising) such that their motion explains `key`, a frame of
+/// the GoF with much motion. `None` where even the dense set cannot track it.
 ///
 /// # Errors
 /// The errors of [`place_farthest`], of [`Fitter::new`] and of `bind`.
@@ -93,7 +84,7 @@ pub fn generate_nodes(
     source: &NodeSource,
     key: &FitTarget,
     options: &GenerateOptions,
-) -> Result<Option<Generated>, FitError> {
+) -> Result<Option<Vec<u32>>, FitError> {
     check_length("affine", source.affine.len(), source.positions.len())?;
     let setting = Setting::new(source, key, options);
     let setting = match options.rank_by {
@@ -129,10 +120,9 @@ pub fn generate_nodes(
         }
         trial = trial.changed(&removed, &inserted)?;
     }
-    let mut pairs: Vec<_> = trial.nodes.into_iter().zip(trial.transforms).collect();
-    pairs.sort_unstable_by_key(|&(node, _)| node);
-    let (nodes, transforms) = pairs.into_iter().unzip();
-    Ok(Some(Generated { nodes, transforms }))
+    let mut nodes = trial.nodes;
+    nodes.sort_unstable();
+    Ok(Some(nodes))
 }
 
 /// Finds the number of nodes that pay: nodes that do not pay are removed from a dense set, until

@@ -9,7 +9,7 @@ use crate::report::FitReport;
 use crate::source::{FitSource, check_mesh};
 use crate::target::FitTarget;
 use kn_bitstream::params::{InfluenceMode, Weights};
-use kn_deform::{BindOptions, Influence, NearRegions, NodeTransform, Placed, bind};
+use kn_deform::{BindOptions, Influence, NodeTransform, bind};
 
 /// Options of a registration.
 #[derive(Clone, Copy, Debug)]
@@ -99,8 +99,6 @@ fn influence(positions: &[[f64; 3]], nodes: &[[f64; 3]]) -> Result<Influence, Fi
         mode: InfluenceMode::Fallback,
     };
     let mut influence = Influence::default();
-    let vertices = Placed { positions: &positions, regions: &one_region.0 };
-    let nodes = Placed { positions: &nodes, regions: &one_region.1 };
-    bind(vertices, nodes, &NearRegions::default(), &options, &mut influence)?;
+    bind(&positions, &one_region.0, &nodes, &one_region.1, &options, &mut influence)?;
     Ok(influence)
 }

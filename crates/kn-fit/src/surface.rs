@@ -1,7 +1,5 @@
 //! Areas and normals of a triangle mesh.
 
-use crate::constants::sampling::ISLAND;
-use kn_mesh::ComponentAreas;
 use kn_mesh::vec3::{Vec3, add, cross, norm, sub, unit};
 
 /// Twice the area of a face, along its normal.
@@ -33,17 +31,6 @@ pub(crate) fn vertex_areas(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<f64> {
         for v in face {
             areas[v as usize] += share;
         }
-    }
-    areas
-}
-
-/// The same without islands, whose area counts as none: noise comes and goes, and no motion carries
-/// it to where other noise is.
-pub(crate) fn vertex_areas_without_islands(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<f64> {
-    let mut areas = vertex_areas(positions, faces);
-    let islands = ComponentAreas::new(positions, faces).on_islands(ISLAND);
-    for (area, _) in areas.iter_mut().zip(islands).filter(|&(_, island)| island) {
-        *area = 0.0;
     }
     areas
 }

@@ -1,7 +1,7 @@
 //! Fits of whole frames: known motion, all combinations, dirt, and what never may happen.
 
 use kn_bitstream::params::{Combination, InfluenceMode, Weights};
-use kn_deform::{BindOptions, Influence, NearRegions, Placed, bind};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
     FitError, FitMeasures, FitOptions, FitReport, FitSource, FitTarget, Fitter, GenerateOptions,
     MeasureOptions, NodeCount, NodeSource, RankBy, RegisterOptions, generate_nodes, place_farthest,
@@ -34,9 +34,7 @@ fn influence(positions: &Points, nodes: &[u32]) -> Influence {
     };
     let mut influence = Influence::default();
     let regions = (vec![0; grid.len()], vec![0; sites.len()]);
-    let vertices = Placed { positions: &grid, regions: &regions.0 };
-    let nodes = Placed { positions: &sites, regions: &regions.1 };
-    bind(vertices, nodes, &NearRegions::default(), &options, &mut influence).expect("nodes");
+    bind(&grid, &regions.0, &sites, &regions.1, &options, &mut influence).expect("nodes");
     influence
 }
 
@@ -209,10 +207,8 @@ fn generated_nodes_are_as_many_as_asked_for() {
         fit: measured(),
         explains: &explains,
     };
-    let nodes = |options: GenerateOptions| {
-        let found = generate_nodes(&source, &scene.target, &options).expect("nodes");
-        found.map(|found| found.nodes)
-    };
+    let nodes =
+        |options: GenerateOptions| generate_nodes(&source, &scene.target, &options).expect("nodes");
     let sixty = nodes(options).expect("a frame that tracks");
     assert_eq!(sixty.len(), 60);
     assert!(sixty.windows(2).all(|pair| pair[0] < pair[1]));

@@ -7,7 +7,7 @@
 //! can be dropped after that.
 
 use crate::adjacency::{Components, EdgeTable, Rows};
-use crate::{Mesh, MeshFault, VertexMap, compose, drop_islands};
+use crate::{Mesh, MeshFault, VertexMap, compose};
 use std::fmt;
 use std::ops::AddAssign;
 
@@ -37,17 +37,6 @@ impl Cleaned {
         self.report.unused += std::mem::take(&mut self.report.isolated);
         self
     }
-
-    /// Drops the islands: components with less than this share of the area, see
-    /// [`ComponentAreas::islands`](crate::ComponentAreas::islands).
-    pub fn drop_islands(mut self, share: f64) -> Self {
-        let Some((mesh, map)) = drop_islands(&self.mesh, share) else { return self };
-        self.report.island_faces += (self.mesh.faces.len() - mesh.faces.len()) as u64;
-        self.vertex_map = compose(&self.vertex_map, map.targets());
-        self.mesh = mesh;
-        self.report.count_kept(&self.mesh);
-        self
-    }
 }
 
 /// Counts of what [`clean`] changed, and of what it found and kept. `+=` adds the counts of another
@@ -70,8 +59,6 @@ pub struct CleanReport {
     pub duplicate: u64,
     /// Vertices dropped because no face uses them, see [`Cleaned::drop_isolated`].
     pub unused: u64,
-    /// Faces of islands that were dropped, see [`Cleaned::drop_islands`].
-    pub island_faces: u64,
     /// Kept: edges with one face.
     pub boundary_edges: u64,
     /// Kept: edges with three faces or more.
@@ -85,19 +72,7 @@ pub struct CleanReport {
 impl CleanReport {
     /// Whether cleaning changed the vertices or the faces.
     pub fn changed(&self) -> bool {
-        self.welded + self.degenerate + self.duplicate + self.unused + self.island_faces > 0
-    }
-}
-
-impl CleanReport {
-    /// Counts what is kept in a cleaned mesh.
-    fn count_kept(&mut self, mesh: &Mesh) {
-        let edges = EdgeTable::new(mesh.positions.len(), &mesh.faces);
-        let components = Components::new(mesh.positions.len(), &mesh.faces);
-        self.boundary_edges = edges.boundary_count() as u64;
-        self.non_manifold_edges = edges.non_manifold_count() as u64;
-        self.components = components.count as u64;
-        self.isolated = components.isolated_count() as u64;
+        self.welded + self.degenerate + self.duplicate + self.unused > 0
     }
 }
 
@@ -111,7 +86,6 @@ impl AddAssign for CleanReport {
         self.degenerate += other.degenerate;
         self.duplicate += other.duplicate;
         self.unused += other.unused;
-        self.island_faces += other.island_faces;
         self.boundary_edges += other.boundary_edges;
         self.non_manifold_edges += other.non_manifold_edges;
         self.components += other.components;
@@ -137,9 +111,6 @@ impl fmt::Display for CleanReport {
             self.non_manifold_edges,
             self.isolated,
         )?;
-        if self.island_faces > 0 {
-            write!(f, "; {} faces of islands dropped", self.island_faces)?;
-        }
         if self.label_conflicts > 0 {
             write!(f, "; {} welded vertices had another label", self.label_conflicts)?;
         }
@@ -169,7 +140,12 @@ pub fn clean(input: &Mesh) -> Result<Cleaned, MeshFault> {
     let mut mesh = input.map_vertices(&welded);
     drop_faces(&mut mesh, &mut report);
 
-    report.count_kept(&mesh);
+    let edges = EdgeTable::new(mesh.positions.len(), &mesh.faces);
+    let components = Components::new(mesh.positions.len(), &mesh.faces);
+    report.boundary_edges = edges.boundary_count() as u64;
+    report.non_manifold_edges = edges.non_manifold_count() as u64;
+    report.components = components.count as u64;
+    report.isolated = components.isolated_count() as u64;
     Ok(Cleaned { mesh, vertex_map: welded.into_targets(), report })
 }
 
@@ -251,7 +227,6 @@ mod tests {
             degenerate: 2,
             duplicate: 2,
             unused: 0,
-            island_faces: 0,
             boundary_edges: 0,
             non_manifold_edges: 0,
             components: 1,

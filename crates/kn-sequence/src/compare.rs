@@ -24,16 +24,12 @@ pub struct CompareSequences {
     /// Label of one body part. The points of its faces are measured against the whole other frame,
     /// by point-to-surface distances alone. `None` measures whole frames.
     pub part: Option<u8>,
-    /// Both frames are measured without their islands: connected pieces with less than this share
-    /// of the frame's area. Vertices of the mesh must be welded, or every piece of it is one.
-    pub drop_islands: Option<f64>,
 }
 
 impl Default for CompareSequences {
     /// All metrics of all frames.
     fn default() -> Self {
-        let (metrics, frames) = (CompareOptions::default(), 0..=u64::MAX);
-        Self { metrics, frames, part: None, drop_islands: None }
+        Self { metrics: CompareOptions::default(), frames: 0..=u64::MAX, part: None }
     }
 }
 
@@ -112,7 +108,7 @@ pub fn compare_sequences_with(
     let names = [reference, distorted].map(|sequence| sequence.name().to_owned());
     let (mut frames, mut count) = (Vec::new(), 0);
     loop {
-        let (mut a, mut b) = match (left.next().transpose()?, right.next().transpose()?) {
+        let (a, b) = match (left.next().transpose()?, right.next().transpose()?) {
             (Some(a), Some(b)) => (a, b),
             (None, None) => break,
             (Some(a), None) => return Err(length(&names[1], &names[0], a.index)),
@@ -120,10 +116,6 @@ pub fn compare_sequences_with(
         };
         count = a.index + 1;
         if options.frames.contains(&a.index) {
-            if let Some(share) = options.drop_islands {
-                a.drop_islands(share);
-                b.drop_islands(share);
-            }
             let measured = caught(|| measure(&a, &b, &metrics, options.part, &mut observe));
             frames.push(measured.map_err(|message| internal(&a, message))??);
         }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kn_codec::{Decoder, FrameKind};
 use kn_io::{InputFrame, Inputs, LabelSource, ReadOptions};
-use kn_mesh::{BoundingBox, Mesh, drop_islands};
+use kn_mesh::{BoundingBox, Mesh};
 
 use crate::error::SequenceError;
 use crate::scan::clean_surface;
@@ -85,13 +85,6 @@ impl Frame {
     /// Whether the frame has no vertices: nothing is there at that time.
     pub fn is_empty(&self) -> bool {
         self.mesh.is_empty()
-    }
-
-    /// Drops the islands of the mesh, see [`kn_mesh::ComponentAreas::islands`].
-    pub(crate) fn drop_islands(&mut self, share: f64) {
-        if let Some((mesh, _)) = drop_islands(&self.mesh, share) {
-            self.mesh = mesh;
-        }
     }
 }
 

@@ -57,20 +57,17 @@ pub enum WeightScheme {
     Gaussian,
 }
 
-/// The key nodes that move a vertex besides those of its region (`influence_mode` and
-/// `influence_blended`, `deform.influence.mode`).
+/// The influence on a vertex whose region has no key node (`influence_mode`,
+/// `deform.influence.mode`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, AsRefStr, EnumMessage, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 #[repr(u8)]
 pub enum InfluenceMode {
-    /// None. A region without nodes is an error: the paper's manual mode.
+    /// An error: the paper's manual mode.
     #[default]
     Strict,
-    /// The nearest nodes of any region where its own has none: the paper's auto mode.
+    /// The nearest nodes of any region move it: the paper's auto mode.
     Fallback,
-    /// The nodes of the two regions that the surface leads to first, the less the farther they are;
-    /// where these have none, as with `fallback`.
-    Blended,
 }
 
 /// The prediction of the translations of a P-frame (`translation_mode`).

@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_told_with_the_known_ones() {
         let error = "loose".parse::<InfluenceMode>().expect_err("no name");
-        let told = "there is no influence mode 'loose'; the names are strict, fallback, blended";
+        let told = "there is no influence mode 'loose'; the names are strict, fallback";
         assert_eq!(error.to_string(), told);
     }
 }

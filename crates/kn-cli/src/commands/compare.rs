@@ -6,7 +6,7 @@ use crate::arguments::{FrameRange, Global};
 use crate::frames::FrameFiles;
 use crate::output::{is_dash, print, print_json, write_file};
 use crate::outputs::Outputs;
-use crate::{Outcome, choices, heatmap, progress, stream};
+use crate::{Outcome, heatmap, progress, stream};
 use anyhow::{Result, ensure};
 use kn_bitstream::params::{BodyPart, NameError, Named};
 use kn_io::{check_scalar_format, write_mesh_with_scalar};
@@ -81,10 +81,6 @@ pub(crate) struct CompareArguments {
     /// Weld both sides and drop degenerate and duplicate faces first, as kn encode does
     #[arg(long)]
     clean: bool,
-    /// Measure without islands: connected pieces with less than this share of a frame's area, such
-    /// as 0.1%; both sides are welded first
-    #[arg(long, value_name = "P%", value_parser = choices::share)]
-    drop_islands: Option<f64>,
     /// Draw both sides' first frame, of those that are not empty, from four sides, coloured by the local difference
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
@@ -144,7 +140,7 @@ impl CompareArguments {
     /// Both sides; meshes are welded where the other side is a stream, which holds welded meshes.
     fn open(&self) -> Result<(Sequence, Sequence)> {
         let streams = [&self.reference, &self.other].map(|path| stream::is_stream(path));
-        let clean = self.clean || self.drop_islands.is_some() || streams[0] != streams[1];
+        let clean = self.clean || streams[0] != streams[1];
         let mut options = SequenceOptions::default();
         options.clean = clean;
         options.read = self.files.options(options.read);
@@ -180,7 +176,6 @@ impl CompareArguments {
         }
         options.frames = self.frames.first()..=self.frames.last();
         options.part = self.part;
-        options.drop_islands = self.drop_islands;
         options
     }
 

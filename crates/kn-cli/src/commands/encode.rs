@@ -1,6 +1,5 @@
 //! `kn encode`: encodes scans into a .knm file.
 
-mod islands;
 mod report;
 pub(crate) mod survey;
 mod vertex_maps;
@@ -84,10 +83,6 @@ pub(crate) struct EncodeArguments {
     /// most 20 bits; all frames are I-frames
     #[arg(long, conflicts_with_all = ["bits", "step", "gof", "iframe_faces", "iframe_error"])]
     lossless: bool,
-    /// Leave out islands: connected pieces with less than this share of a frame's area, such as
-    /// 0.1%. A scanner's noise comes and goes, and no motion explains it
-    #[arg(long, value_name = "P%", value_parser = choices::share, conflicts_with = "lossless")]
-    drop_islands: Option<f64>,
     /// Write the decoded vertex of every vertex of an I-frame to this folder, one a line; - is none
     #[arg(long, value_name = "FOLDER")]
     vertex_maps: Option<PathBuf>,
@@ -110,7 +105,7 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let outputs = arguments.check_outputs(&inputs)?;
     let maps = arguments.vertex_maps.as_deref().map(|folder| VertexMaps::new(folder, outputs));
     let mut maps = maps.transpose()?;
-    let survey = Survey::new(&inputs, arguments.drop_islands, global)?;
+    let survey = Survey::new(&inputs, global)?;
     inputs.notes().iter().for_each(|note| global.note(note));
     survey.tell(arguments.lossless, global);
     arguments.fit_to(&mut config, &survey)?;
@@ -120,8 +115,8 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
     let lost = !labelled && matches!(config.motion.affine, AffineChoice::Labels(_));
     let mut report = Report::default();
     let summary = write_file(&arguments.output, |writer| {
-        let clean = |frame: &InputFrame| arguments.clean(frame);
-        encode((&inputs, &clean), config, writer, (&mut report, &mut maps), global)
+        let clean = if arguments.lossless { clean_scan } else { clean_surface };
+        encode((&inputs, clean), config, writer, (&mut report, &mut maps), global)
     })
     .map_err(|error| survey.name_file(error))?;
     let seconds = start.elapsed().as_secs_f64();
@@ -140,11 +135,11 @@ pub(crate) fn run(arguments: &EncodeArguments, global: &Global) -> Result<Outcom
 }
 
 /// Cleans a scan.
-type Clean<'a> = &'a dyn Fn(&InputFrame) -> Result<Cleaned, SequenceError>;
+type Clean = fn(&InputFrame) -> Result<Cleaned, SequenceError>;
 
 /// Reads, cleans and encodes every frame.
 fn encode(
-    (inputs, clean): (&Inputs, Clean<'_>),
+    (inputs, clean): (&Inputs, Clean),
     config: EncoderConfig,
     writer: &mut dyn Write,
     (report, maps): (&mut Report, &mut Option<VertexMaps>),
@@ -157,7 +152,7 @@ fn encode(
         let frame = frame?;
         let cleaned = clean(&frame)?;
         report.labels.check(&frame.path, frame.index, &cleaned.mesh, up_axis);
-        report.read(frame.path, &cleaned, frame.notes);
+        report.read(frame.path, &cleaned.report, frame.notes);
         let name = Some(&frame.name[..]).filter(|name| is_frame_name(name));
         encoder.push_named(&cleaned.mesh, name.unwrap_or_default())?;
         if let Some(maps) = maps {
@@ -190,17 +185,6 @@ impl EncodeArguments {
         let options = ReadOptions { frame_rate, ..ReadOptions::default() };
         let options = self.frames.options(options);
         Ok(origin.find_inputs(&self.inputs, options)?)
-    }
-
-    fn clean(&self, frame: &InputFrame) -> Result<Cleaned, SequenceError> {
-        if self.lossless {
-            return clean_scan(frame);
-        }
-        let cleaned = clean_surface(frame)?;
-        Ok(match self.drop_islands {
-            Some(share) => cleaned.drop_islands(share),
-            None => cleaned,
-        })
     }
 
     /// Before any work.
@@ -267,7 +251,6 @@ impl EncodeArguments {
             "bits": bits,
             "step": step,
             "lossless": self.lossless,
-            "drop_islands": self.drop_islands,
             "decimation": config.intra.decimation.map(|decimation| decimation.to_string()),
             "gof": config.sequence.group_length,
             "pframe_error": config.motion.max_error,

@@ -13,9 +13,7 @@ use kn_bitstream::{
     KeyNodes, MotionContext, MotionFrame, SequenceHeader,
     rule::{self, Rule},
 };
-use kn_deform::{
-    BindError, BindOptions, Deformer, Influence, NearRegions, NodeTransform, Placed, Smoother, bind,
-};
+use kn_deform::{BindError, BindOptions, Deformer, Influence, NodeTransform, Smoother, bind};
 use kn_mesh::{Grid, GridMesh};
 
 /// The state of a GoF while its frames are decoded in decode order. Buffers are reused by the next
@@ -33,8 +31,6 @@ pub(crate) struct Reconstruction {
     vertex_regions: Vec<u8>,
     references: ReferencePool,
     nodes: NodeSet,
-    /// The regions near every vertex of the I-frame, where influence is blended.
-    near: NearRegions,
     influence: Influence,
     translations: Translations,
     transforms: Vec<NodeTransform>,
@@ -108,14 +104,9 @@ impl Reconstruction {
             weights: weights.ok_or(rule::NODES_SIGMA_RANGE)?,
             mode: self.influence_mode,
         };
-        let vertices = Placed { positions: &self.intra.positions, regions: &self.vertex_regions };
-        let nodes = Placed { positions: &self.nodes.positions, regions: &node_regions };
-        match self.influence_mode {
-            InfluenceMode::Strict | InfluenceMode::Fallback => self.near.clear(),
-            InfluenceMode::Blended => self.near.find(vertices, &self.intra.faces),
-        }
-        bind(vertices, nodes, &self.near, &options, &mut self.influence).map_err(bind_rule)?;
-        let nodes = nodes.positions;
+        let (vertices, nodes) = (&self.intra.positions, &self.nodes.positions);
+        bind(vertices, &self.vertex_regions, nodes, &node_regions, &options, &mut self.influence)
+            .map_err(bind_rule)?;
         let path = trace_path(&Sites {
             positions: nodes,
             body_labels: (self.labels == LabelSet::Body).then_some(&self.nodes.labels),
@@ -199,12 +190,6 @@ impl Reconstruction {
     /// The decoded I-frame of the GoF, in grid steps.
     pub(crate) fn intra(&self) -> &GridMesh {
         &self.intra
-    }
-
-    /// `#V` regions of the I-frame's vertices, once key nodes are placed.
-    #[cfg(feature = "encode")]
-    pub(crate) fn vertex_regions(&self) -> &[u8] {
-        &self.vertex_regions
     }
 
     /// The GoF's key nodes, positions on the I-frame in grid steps.

@@ -134,7 +134,7 @@ pub struct MotionConfig {
     pub nodes_per_vertex: u8,
     /// Weights of the nodes, by their distance from the vertex.
     pub weights: Weights,
-    /// Influence of the nodes of other regions.
+    /// Influence in a region that has no node.
     pub influence: InfluenceMode,
     /// Affine nodes.
     pub affine: AffineChoice,
@@ -207,7 +207,7 @@ impl Default for MotionConfig {
             placement: NodePlacement::default(),
             nodes_per_vertex: 4,
             weights: Weights::SUMNER,
-            influence: InfluenceMode::Blended,
+            influence: InfluenceMode::Fallback,
             affine: AffineChoice::torso(),
             combination: CombinationChoice::FirstP,
             part_start: PartStart::On,

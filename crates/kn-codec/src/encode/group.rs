@@ -12,13 +12,12 @@ use crate::encode::fault::InputFault;
 use crate::encode::frame_error::ErrorBound;
 use crate::encode::frame_settings::{FramePlace, FrameSettings, frame_settings};
 use crate::encode::motion::{CodedMotion, MotionEncoder};
-use crate::encode::nodes::{Chosen, NodeChooser};
+use crate::encode::nodes::NodeChooser;
 use crate::encode::report::{
     CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport,
 };
 use crate::encode::scan::{Frames, Scan, ScanOptions, Scans, to_grid_steps};
 use crate::encode::smoothing::choose_smoothing;
-use crate::encode::stretch::StretchMeter;
 use crate::encode::tuning::Tuning;
 use crate::error::EncodeError;
 use crate::intra::{IntraDecoder, IntraLimits, decode_intra, encode_intra};
@@ -26,7 +25,7 @@ use crate::order::FrameNumbers;
 use kn_bitstream::params::{BodyPart, Combination, LabelSet};
 use kn_bitstream::rule::HEADER_LEVEL_KNOWN;
 use kn_bitstream::unit::{self, write_unit};
-use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, KeyNodes, SequenceHeader};
+use kn_bitstream::{BitWriter, FrameHeader, IntraFrame, IntraPayload, SequenceHeader};
 use kn_deform::BindError;
 use kn_fit::FitError;
 use kn_mesh::{Grid, GridMesh, Mesh, compose};
@@ -44,10 +43,6 @@ pub(crate) struct GroupEncoder {
     intra_decoder: IntraDecoder,
     motion: MotionEncoder,
     bound: ErrorBound,
-    /// The I-frame on the grid as it was coded, and the strength of its smoothing.
-    coded_intra: (GridMesh, u8),
-    /// The edges of the GoF's mesh.
-    stretch: StretchMeter,
     /// The reason why the last GoF ended early.
     reason: Option<FitFailure>,
 }
@@ -60,8 +55,6 @@ impl GroupEncoder {
             reconstruction: Reconstruction::new(&header),
             motion: MotionEncoder::new(&config, tuning, &header),
             bound: ErrorBound::new(config.motion.max_error, tuning.error),
-            coded_intra: (GridMesh::default(), 0),
-            stretch: StretchMeter::default(),
             config,
             tuning,
             header,
@@ -84,31 +77,20 @@ impl GroupEncoder {
     ) -> Result<usize, EncodeError> {
         let Some((intra, predicted)) = frames.split_first() else { return Ok(0) };
         let first = frames.first;
-        let (begin, reason) = (out.len(), self.reason.take());
         let coded = EncodeError::of_frame(first, || self.encode_intra_frame(intra, first, out));
-        let mut report = coded?;
-        report.reason = reason;
-        let mut scans = Scans::new(predicted, self.scan_options());
-        let input = |fault: InputFault| EncodeError::Input { frame: first, fault };
+        reports.push(coded?);
         if predicted.meshes.is_empty() {
-            reports.push(FrameReport::Intra(report));
             return Ok(1);
         }
+        let mut scans = Scans::new(predicted, self.scan_options());
+        let input = |fault: InputFault| EncodeError::Input { frame: first, fault };
         if scans.len() == 0 || !self.can_move().map_err(input)? {
             self.reason = Some(FitFailure::NoArea);
-            reports.push(FrameReport::Intra(report));
             return Ok(1);
         }
         self.measure_intra(intra.0).map_err(input)?;
-        let choice = || self.choose_nodes(&mut scans, report.label_bytes);
-        let chosen = EncodeError::of_frame(first, choice)?;
-        if !chosen.labels_help {
-            out.truncate(begin);
-            self.drop_labels(&mut report, intra.1, out)?;
-        }
-        reports.push(FrameReport::Intra(report));
         let mut units = Vec::new();
-        let nodes = || self.encode_key_nodes(&chosen.nodes, first + 1, &mut units);
+        let nodes = || self.encode_key_nodes(&mut scans, &mut units);
         let node_bytes = EncodeError::of_frame(first, nodes)?;
         let mut pass = self.encode_predicted(&scans)?;
         let cut_short = scans.len() < predicted.meshes.len();
@@ -149,7 +131,7 @@ impl GroupEncoder {
         scans: &Scans,
         combination: Option<Combination>,
     ) -> Result<Pass, EncodeError> {
-        self.motion.begin(combination, self.reconstruction.intra());
+        self.motion.begin(combination);
         let mut pass = Pass::default();
         let of = scans.len();
         let mut scan = scans.get(0)?;
@@ -191,7 +173,7 @@ impl GroupEncoder {
         (mesh, name): (&Mesh, &str),
         first: u64,
         out: &mut Vec<u8>,
-    ) -> Result<IntraReport, EncodeError> {
+    ) -> Result<FrameReport, EncodeError> {
         let numbers = FrameNumbers::in_order(first);
         let input = |fault: InputFault| EncodeError::Input { frame: numbers.display, fault };
         let tuning = &self.tuning.decimation;
@@ -204,9 +186,18 @@ impl GroupEncoder {
         self.decode_payload(&encoding.payload()).map_err(input)?;
         let smoothing = self.smoothing(mesh);
         self.reconstruction.smooth(smoothing);
-        let bytes = self.write_intra_frame(encoding.payload(), name, smoothing, out);
-        let label_bytes = encoding.payload().labels.len() as u64;
         let decoded = self.reconstruction.intra();
+        let digests = self.config.sequence.digests;
+        let positions_digest =
+            digests.then(|| positions_digest(self.reconstruction.last_positions()));
+        let frame = IntraFrame {
+            header: FrameHeader { name: name.to_owned(), positions_digest },
+            faces_digest: digests.then(|| faces_digest(&decoded.faces)),
+            smoothing,
+            payload: encoding.payload(),
+        };
+        let mut bits = BitWriter::new();
+        frame.write(&mut bits);
         let vertex_map = self.config.intra.vertex_maps.then(|| match &decimated {
             Some(decimated) => compose(&decimated.vertex_map, &encoding.vertex_map),
             None => encoding.vertex_map,
@@ -214,58 +205,18 @@ impl GroupEncoder {
         let frame = CodedFrame {
             index: numbers.display,
             decode_index: numbers.decode,
-            bytes,
+            bytes: append_unit(out, unit::INTRA_FRAME, bits),
             vertices: decoded.positions.len() as u32,
             faces: decoded.faces.len() as u32,
             input_faces: mesh.faces.len() as u32,
             parts: None,
         };
-        let decimation_error = decimated.as_ref().map_or(0.0, |decimated| decimated.error);
-        self.coded_intra = (coded, smoothing);
-        Ok(IntraReport { frame, decimation_error, vertex_map, label_bytes, reason: None })
-    }
-
-    /// Codes the I-frame of the GoF anew, with all its vertices in one part: order and positions of
-    /// the vertices are the same.
-    fn drop_labels(
-        &mut self,
-        report: &mut IntraReport,
-        name: &str,
-        out: &mut Vec<u8>,
-    ) -> Result<(), EncodeError> {
-        let frame = report.frame.index;
-        let input = |fault: InputFault| EncodeError::Input { frame, fault };
-        let (mut coded, smoothing) = std::mem::take(&mut self.coded_intra);
-        coded.labels.fill(BodyPart::Other.label());
-        let encoding = encode_intra(&coded).map_err(|error| input(error.into()))?;
-        self.decode_payload(&encoding.payload()).map_err(input)?;
-        self.reconstruction.smooth(smoothing);
-        report.frame.bytes = self.write_intra_frame(encoding.payload(), name, smoothing, out);
-        report.label_bytes = encoding.payload().labels.len() as u64;
-        Ok(())
-    }
-
-    /// Appends the unit of the I-frame that the reconstruction has decoded from `payload`. Returns
-    /// its number of bytes.
-    fn write_intra_frame(
-        &self,
-        payload: IntraPayload<'_>,
-        name: &str,
-        smoothing: u8,
-        out: &mut Vec<u8>,
-    ) -> u64 {
-        let digests = self.config.sequence.digests;
-        let positions_digest =
-            digests.then(|| positions_digest(self.reconstruction.last_positions()));
-        let frame = IntraFrame {
-            header: FrameHeader { name: name.to_owned(), positions_digest },
-            faces_digest: digests.then(|| faces_digest(&self.reconstruction.intra().faces)),
-            smoothing,
-            payload,
-        };
-        let mut bits = BitWriter::new();
-        frame.write(&mut bits);
-        append_unit(out, unit::INTRA_FRAME, bits)
+        Ok(FrameReport::Intra(IntraReport {
+            frame,
+            decimation_error: decimated.as_ref().map_or(0.0, |decimated| decimated.error),
+            vertex_map,
+            reason: self.reason.take(),
+        }))
     }
 
     /// The strength of smoothing of the I-frame that the reconstruction has decoded; `mesh` is the
@@ -318,40 +269,27 @@ impl GroupEncoder {
         Ok(())
     }
 
-    /// Chooses the GoF's key nodes. The labels of the I-frame have `label_bytes`.
-    fn choose_nodes(&self, scans: &mut Scans, label_bytes: u64) -> Result<Chosen, EncodeError> {
+    /// Chooses, codes and places the GoF's key nodes; returns the bytes of their unit.
+    fn encode_key_nodes(
+        &mut self,
+        scans: &mut Scans,
+        out: &mut Vec<u8>,
+    ) -> Result<u64, EncodeError> {
         let frame = scans.frame(0).0;
         let input = |fault: InputFault| EncodeError::Input { frame, fault };
         let intra = self.reconstruction.intra();
-        let labels = &self.header.labels;
-        let chooser = NodeChooser::new(&self.config, &self.tuning, labels, intra, label_bytes);
+        let chooser = NodeChooser::new(&self.config, &self.tuning, &self.header.labels, intra);
         let fail = |error: FitError| match error {
             FitError::Bind(BindError::RegionWithoutNodes { vertex, .. }) => {
                 input(without_nodes(intra.labels.get(vertex)))
             }
             other => input(other.into()),
         };
-        chooser.choose(scans, fail)
-    }
-
-    /// Places and codes the GoF's key nodes; returns the bytes of their unit. `frame` is the first
-    /// P-frame.
-    fn encode_key_nodes(
-        &mut self,
-        nodes: &KeyNodes,
-        frame: u64,
-        out: &mut Vec<u8>,
-    ) -> Result<u64, EncodeError> {
-        let input = |fault: InputFault| EncodeError::Input { frame, fault };
-        self.reconstruction.place(nodes).map_err(|refused| match self.bare_label() {
+        let nodes = chooser.choose(scans, fail)?;
+        self.reconstruction.place(&nodes).map_err(|refused| match self.bare_label() {
             Some(label) => input(without_nodes(Some(label))),
             None => input(refused.into()),
         })?;
-        self.stretch = StretchMeter::new(
-            self.reconstruction.last_positions(),
-            &self.reconstruction.intra().faces,
-            self.reconstruction.vertex_regions(),
-        );
         let mut bits = BitWriter::new();
         nodes.write(&mut bits);
         Ok(append_unit(out, unit::KEY_NODES, bits))
@@ -390,7 +328,6 @@ impl GroupEncoder {
         };
         let positions = self.reconstruction.last_positions();
         motion.header.name = name.to_owned();
-        let stretch = self.stretch.measure(positions);
         motion.header.positions_digest =
             self.config.sequence.digests.then(|| positions_digest(positions));
         let mut bits = BitWriter::new();
@@ -417,7 +354,6 @@ impl GroupEncoder {
             fit_rms: fit_rms * self.grid.step,
             error: measured.error,
             error_bound: measured.bound,
-            stretch,
         }))
     }
 }

@@ -21,7 +21,6 @@ mod scan;
 mod sequence;
 mod settings;
 mod smoothing;
-mod stretch;
 mod translation;
 mod tuning;
 mod validate;
@@ -43,4 +42,3 @@ pub use report::{
     CodedFrame, CostReport, FrameReport, IntraReport, PredictedReport, StepReport, Summary,
 };
 pub use settings::{Setting, SettingsError};
-pub use stretch::{Stretch, StretchReport};

@@ -8,14 +8,13 @@ use crate::encode::failure::{EarlierFrames, FitFailure};
 use crate::encode::frame_settings::FrameSettings;
 use crate::encode::quantise::{StepComponents, StepRange, Steps, quantise_parameters};
 use crate::encode::report::CostReport;
-use crate::encode::scan::{Scan, sampled_faces};
+use crate::encode::scan::Scan;
 use crate::encode::translation::code_translations;
 use crate::encode::tuning::{StepTuning, Tuning};
 use kn_bitstream::params::Combination;
 use kn_bitstream::{BitWriter, MotionFrame, SequenceHeader};
 use kn_deform::NodeTransform;
 use kn_fit::{Fit, FitError, FitOptions, FitSource, Fitter};
-use kn_mesh::GridMesh;
 
 /// Codes the P-frames of a GoF, one after the other.
 pub(crate) struct MotionEncoder {
@@ -30,8 +29,6 @@ pub(crate) struct MotionEncoder {
     combination: Option<Combination>,
     /// The steps with which the search begins in this frame.
     steps: Option<Steps>,
-    /// The faces of the GoF that D is measured on.
-    sampled: Vec<[u32; 3]>,
     /// `#V × 3`, the reference in grid steps.
     reference: Vec<[f64; 3]>,
     /// `#N × 3`, the nodes in grid steps.
@@ -59,15 +56,13 @@ impl MotionEncoder {
             earlier: EarlierFrames::default(),
             combination: None,
             steps: None,
-            sampled: Vec::new(),
             reference: Vec::new(),
             nodes: Vec::new(),
         }
     }
 
     /// Begins a GoF; `combination` where one was chosen for all of it.
-    pub(crate) fn begin(&mut self, combination: Option<Combination>, intra: &GridMesh) {
-        self.sampled = sampled_faces(intra, &self.tuning.surrogate);
+    pub(crate) fn begin(&mut self, combination: Option<Combination>) {
         self.fitter = None;
         self.earlier = EarlierFrames::default();
         self.steps = None;
@@ -131,7 +126,7 @@ impl MotionEncoder {
     }
 
     fn frame<'a>(
-        &'a self,
+        &self,
         decoded: &'a mut Reconstruction,
         from: Slot,
         scan: &'a Scan,
@@ -150,7 +145,6 @@ impl MotionEncoder {
             decoded,
             from,
             scan,
-            sampled: &self.sampled,
         }
     }
 
@@ -220,8 +214,6 @@ struct Frame<'a> {
     /// The reference that it is deformed from.
     from: Slot,
     scan: &'a Scan,
-    /// The faces that D is measured on.
-    sampled: &'a [[u32; 3]],
 }
 
 /// One way to code a frame.
@@ -268,7 +260,7 @@ impl Frame<'_> {
         let bytes = bits.into_bytes().len() as u64;
         // What the decoder would refuse costs more than anything else.
         let look = |positions: &[[i32; 3]], faces: &[[u32; 3]]| {
-            self.scan.distortion(positions, self.unit, faces, self.sampled)
+            self.scan.distortion(positions, self.unit, faces)
         };
         let distortion = self.decoded.preview(motion, self.from, look).unwrap_or(f64::INFINITY);
         CostReport::new(distortion, bytes, self.lambda)

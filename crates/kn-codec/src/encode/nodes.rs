@@ -4,18 +4,17 @@ use crate::encode::choices::{AffineChoice, CombinationChoice, NodeChoice, NodePl
 use crate::encode::config::EncoderConfig;
 use crate::encode::failure::EarlierFrames;
 use crate::encode::frame_settings::node_lambda;
-use crate::encode::scan::{Scan, Scans, sampled_faces};
+use crate::encode::scan::Scans;
 use crate::encode::tuning::Tuning;
 use crate::error::EncodeError;
-use kn_bitstream::params::{InfluenceMode, LabelSet};
+use kn_bitstream::params::LabelSet;
 use kn_bitstream::{AffineNodes, BitWriter, KeyNodes, NodeSites};
-use kn_deform::{BindOptions, Influence, NearRegions, Placed, bind};
+use kn_deform::{BindOptions, Influence, bind};
 use kn_fit::{
-    FitError, FitOptions, FitReport, FitSource, GenerateOptions, Generated, NodeCount, NodeSource,
-    RankBy, affine_gains, generate_nodes, place_farthest, refit,
+    FitError, FitOptions, FitReport, FitSource, GenerateOptions, NodeCount, NodeSource, RankBy,
+    affine_gains, generate_nodes, place_farthest,
 };
 use kn_mesh::GridMesh;
-use std::sync::Arc;
 
 /// Chooses the key nodes of a GoF.
 pub(crate) struct NodeChooser<'a> {
@@ -27,17 +26,6 @@ pub(crate) struct NodeChooser<'a> {
     positions: Vec<[f64; 3]>,
     /// `#V`, or empty without labels.
     regions: Vec<u8>,
-    /// The regions near every vertex, where influence is blended.
-    near: NearRegions,
-    /// Bytes of the labels of the I-frame.
-    label_bytes: u64,
-}
-
-/// The key nodes of a GoF.
-pub(crate) struct Chosen {
-    pub(crate) nodes: KeyNodes,
-    /// Whether the labels of the I-frame lower J: without them the same nodes are closer.
-    pub(crate) labels_help: bool,
 }
 
 impl<'a> NodeChooser<'a> {
@@ -47,23 +35,15 @@ impl<'a> NodeChooser<'a> {
         tuning: &'a Tuning,
         labels: &'a LabelSet,
         intra: &'a GridMesh,
-        label_bytes: u64,
     ) -> Self {
         let region = |&label: &u8| labels.region(label).unwrap_or(0);
-        let regions: Vec<u8> = intra.labels.iter().map(region).collect();
-        let mut near = NearRegions::default();
-        if config.motion.influence == InfluenceMode::Blended && !regions.is_empty() {
-            near.find(Placed { positions: &intra.positions, regions: &regions }, &intra.faces);
-        }
         Self {
             positions: intra.positions.iter().map(|p| p.map(f64::from)).collect(),
-            regions,
-            near,
+            regions: intra.labels.iter().map(region).collect(),
             config,
             tuning,
             labels,
             intra,
-            label_bytes,
         }
     }
 
@@ -75,77 +55,22 @@ impl<'a> NodeChooser<'a> {
         &self,
         scans: &mut Scans,
         fail: impl Fn(FitError) -> EncodeError,
-    ) -> Result<Chosen, EncodeError> {
-        let generated = match self.config.motion.placement {
+    ) -> Result<KeyNodes, EncodeError> {
+        let vertices = match self.config.motion.placement {
             NodePlacement::Farthest => None,
             NodePlacement::Generated => self.generate(scans, RankBy::Distance, &fail)?,
             NodePlacement::GeneratedByMsdm2 => self.generate(scans, RankBy::Msdm2, &fail)?,
         };
-        let (mut vertices, labels_help) = match generated {
-            Some((found, key)) => {
-                let labels_help = self.labels_help(&found, &key, scans.len()).map_err(&fail)?;
-                (found.nodes, labels_help)
-            }
-            None => (self.farthest().map_err(&fail)?, true),
+        let mut vertices = match vertices {
+            Some(vertices) => vertices,
+            None => self.farthest().map_err(&fail)?,
         };
         vertices.sort_unstable();
         let affine = match self.config.motion.affine {
             AffineChoice::Cost => AffineNodes::Nodes(self.affine_by_cost(&vertices, scans, &fail)?),
             _ => affine_nodes(&self.config.motion.affine, self.labels),
         };
-        Ok(Chosen { nodes: self.cheapest(&vertices, affine), labels_help })
-    }
-
-    /// Whether J in the key frame is lower with the labels than without. Nobody asks for that of
-    /// isolated regions: those are the paper's.
-    fn labels_help(
-        &self,
-        found: &Generated,
-        key: &Scan,
-        predicted: usize,
-    ) -> Result<bool, FitError> {
-        let several = self.regions.windows(2).any(|pair| pair[0] != pair[1]);
-        if self.config.motion.influence != InfluenceMode::Blended || !several {
-            return Ok(true);
-        }
-        let affine = self.affine_vertices();
-        let affine: Vec<bool> = found.nodes.iter().map(|&v| affine[v as usize]).collect();
-        let plain = match self.config.motion.affine {
-            AffineChoice::Labels(_) => vec![false; affine.len()],
-            _ => affine.clone(),
-        };
-        let stretched = affine.iter().zip(&plain).filter(|(with, without)| with != without);
-        let bytes = self.label_bytes as f64 / predicted as f64
-            + self.tuning.nodes.stretch_bytes * stretched.count() as f64;
-        let with = self.key_distortion(found, key, &self.bind(&found.nodes)?, &affine)?;
-        let without = self.key_distortion(found, key, &self.bind_alike(&found.nodes)?, &plain)?;
-        Ok(with + node_lambda(self.config) * bytes < without)
-    }
-
-    /// D of the key frame when the motion that `found` was chosen by goes on with this influence.
-    fn key_distortion(
-        &self,
-        found: &Generated,
-        key: &Scan,
-        influence: &Influence,
-        affine: &[bool],
-    ) -> Result<f64, FitError> {
-        let nodes: Vec<[f64; 3]> =
-            found.nodes.iter().map(|&v| self.positions[v as usize]).collect();
-        let source = FitSource {
-            positions: &self.positions,
-            faces: &self.intra.faces,
-            influence,
-            nodes: &nodes,
-            affine,
-            labels: None,
-        };
-        let deformed = refit(&source, &key.target, &self.fit_options(), &found.transforms)?;
-        let unit = f64::from(1_u32 << self.config.sequence.fraction_bits);
-        let decoded: Vec<[i32; 3]> =
-            deformed.iter().map(|p| p.map(|c| (c * unit).round_ties_even() as i32)).collect();
-        let sampled = sampled_faces(self.intra, &self.tuning.surrogate);
-        Ok(key.distortion(&decoded, unit, &self.intra.faces, &sampled))
+        Ok(self.cheapest(&vertices, affine))
     }
 
     fn regions(&self) -> Option<&[u8]> {
@@ -168,7 +93,7 @@ impl<'a> NodeChooser<'a> {
         scans: &mut Scans,
         rank_by: RankBy,
         fail: impl Fn(FitError) -> EncodeError,
-    ) -> Result<Option<(Generated, Arc<Scan>)>, EncodeError> {
+    ) -> Result<Option<Vec<u32>>, EncodeError> {
         let bind = |vertices: &[u32]| self.bind(vertices);
         let affine = self.affine_vertices();
         let source = NodeSource {
@@ -192,8 +117,8 @@ impl<'a> NodeChooser<'a> {
         while ahead > 0 {
             let key = scans.keep(ahead - 1)?;
             let found = generate_nodes(&source, &key.target, &options).map_err(&fail)?;
-            if let Some(found) = found {
-                return Ok(Some((found, key)));
+            if found.is_some() {
+                return Ok(found);
             }
             ahead /= 2;
         }
@@ -259,22 +184,6 @@ impl<'a> NodeChooser<'a> {
 
     /// As the decoder will bind them.
     fn bind(&self, vertices: &[u32]) -> Result<Influence, FitError> {
-        let region = |v: usize| self.regions.get(v).copied().unwrap_or(0);
-        let regions: Vec<u8> = (0..self.positions.len()).map(region).collect();
-        self.bind_in(vertices, &regions, &self.near)
-    }
-
-    /// As the decoder would bind them without labels.
-    fn bind_alike(&self, vertices: &[u32]) -> Result<Influence, FitError> {
-        self.bind_in(vertices, &vec![0; self.positions.len()], &NearRegions::default())
-    }
-
-    fn bind_in(
-        &self,
-        vertices: &[u32],
-        regions: &[u8],
-        near: &NearRegions,
-    ) -> Result<Influence, FitError> {
         let options = BindOptions {
             nodes_per_vertex: self.config.motion.nodes_per_vertex.into(),
             weights: self.config.motion.weights,
@@ -282,11 +191,11 @@ impl<'a> NodeChooser<'a> {
         };
         let all = &self.intra.positions;
         let sites: Vec<[i32; 3]> = vertices.iter().map(|&v| all[v as usize]).collect();
-        let site_regions: Vec<u8> = vertices.iter().map(|&v| regions[v as usize]).collect();
-        let vertices = Placed { positions: all, regions };
-        let nodes = Placed { positions: &sites, regions: &site_regions };
+        let region = |v: usize| self.regions.get(v).copied().unwrap_or(0);
+        let regions: Vec<u8> = (0..all.len()).map(region).collect();
+        let site_regions: Vec<u8> = vertices.iter().map(|&v| region(v as usize)).collect();
         let mut influence = Influence::default();
-        bind(vertices, nodes, near, &options, &mut influence)?;
+        bind(all, &regions, &sites, &site_regions, &options, &mut influence)?;
         Ok(influence)
     }
 

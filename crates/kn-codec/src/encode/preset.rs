@@ -20,12 +20,8 @@ pub struct Preset {
 const PRESETS: &[Preset] = &[
     Preset {
         name: "default",
-        about: "bimodal with as many key nodes as pay for their bytes, and with influence that is \
-                blended where regions meet",
-        change: |config| {
-            config.motion.nodes = NodeChoice::default();
-            config.motion.influence = InfluenceMode::Blended;
-        },
+        about: "bimodal with as many key nodes as pay for their bytes",
+        change: |config| config.motion.nodes = NodeChoice::default(),
     },
     Preset {
         name: "bimodal",
@@ -81,9 +77,7 @@ impl Preset {
 
     /// The settings of the preset.
     pub fn config(&self) -> EncoderConfig {
-        let mut config = EncoderConfig::default()
-            .with_nodes(NodeChoice::Fixed(NODES))
-            .with_influence(InfluenceMode::Fallback);
+        let mut config = EncoderConfig::default().with_nodes(NodeChoice::Fixed(NODES));
         (self.change)(&mut config);
         config
     }

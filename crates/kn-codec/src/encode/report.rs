@@ -4,7 +4,6 @@ use crate::decode::FrameKind;
 use crate::encode::failure::FitFailure;
 use crate::encode::frame_error::FrameError;
 use crate::encode::quantise::unit_step;
-use crate::encode::stretch::StretchReport;
 use kn_bitstream::params::{Combination, TranslationMode};
 use kn_bitstream::{MotionFrame, translation_step};
 use kn_segment::Segmentation;
@@ -51,9 +50,6 @@ pub struct IntraReport {
     /// `#V` of the input frame: the decoded vertex of each vertex, or [`crate::DROPPED`]. `None`
     /// unless [`crate::IntraConfig::vertex_maps`] asks for it.
     pub vertex_map: Option<Vec<u32>>,
-    /// Bytes of the labels; a few where they do not help the GoF, whose vertices are all
-    /// [`Other`](kn_bitstream::params::BodyPart::Other) then.
-    pub label_bytes: u64,
     /// The reason why the GoF before ended early. `None` where that GoF was full, and at the first
     /// frame.
     pub reason: Option<FitFailure>,
@@ -86,8 +82,6 @@ pub struct PredictedReport {
     pub error: FrameError,
     /// The bound for it, which follows from [`crate::MotionConfig::max_error`].
     pub error_bound: FrameError,
-    /// How much longer edges are than in the I-frame.
-    pub stretch: StretchReport,
 }
 
 impl FrameReport {

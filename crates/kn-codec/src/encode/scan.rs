@@ -6,7 +6,7 @@ use crate::encode::tuning::SurrogateTuning;
 use crate::error::EncodeError;
 use kn_fit::FitTarget;
 use kn_mesh::vec3::{cross, norm, sub};
-use kn_mesh::{ComponentAreas, Grid, GridMesh, Mesh};
+use kn_mesh::{Grid, Mesh};
 use kn_metrics::{DEFAULT_LEVELS, Interpolation, Msdm2Surface, msdm2};
 use std::sync::Arc;
 
@@ -51,16 +51,10 @@ impl Scan {
     }
 
     /// D of a decoded frame: `positions` `#V × 3` in reference units, of which `unit` make a grid
-    /// step. `faces` are all faces, `sampled` those that the surrogate looks at.
-    pub(crate) fn distortion(
-        &self,
-        positions: &[[i32; 3]],
-        unit: f64,
-        faces: &[[u32; 3]],
-        sampled: &[[u32; 3]],
-    ) -> f64 {
+    /// step.
+    pub(crate) fn distortion(&self, positions: &[[i32; 3]], unit: f64, faces: &[[u32; 3]]) -> f64 {
         let Some(original) = &self.original else {
-            return self.surrogate(positions, unit, sampled);
+            return self.surrogate(positions, unit, faces);
         };
         let positions: Vec<[f64; 3]> =
             positions.iter().map(|p| p.map(|c| f64::from(c) / unit)).collect();
@@ -72,12 +66,13 @@ impl Scan {
 
     /// The surrogate of MSDM2, which differs from it by a constant for all candidates of a frame.
     fn surrogate(&self, positions: &[[i32; 3]], unit: f64, faces: &[[u32; 3]]) -> f64 {
+        let stride = (faces.len() / self.tuning.samples).max(1);
         let sample = |face: &[u32; 3]| -> ([f64; 3], [f64; 3]) {
             let [a, b, c] = face.map(|v| positions[v as usize].map(|c| f64::from(c) / unit));
             let side = |to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| to[k] - a[k]) };
             (std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0), cross(side(b), side(c)))
         };
-        let (centres, normals): (Vec<_>, Vec<_>) = faces.iter().map(sample).unzip();
+        let (centres, normals): (Vec<_>, Vec<_>) = faces.iter().step_by(stride).map(sample).unzip();
         let deviation = self.target.deviation(&centres, &normals);
         self.tuning.per_distance * deviation.distance + self.tuning.per_bend * deviation.bend
     }
@@ -108,17 +103,6 @@ pub(crate) fn has_area(faces: &[[u32; 3]], corner: impl Fn(u32) -> [f64; 3]) -> 
         let [a, b, c] = face.map(&corner);
         norm(cross(sub(b, a), sub(c, a))) > 0.0
     })
-}
-
-/// The faces of an I-frame that the surrogate looks at. Islands are left out: no motion carries noise
-/// to where the next scan has other noise, and what is far anyway hides what is near.
-pub(crate) fn sampled_faces(intra: &GridMesh, tuning: &SurrogateTuning) -> Vec<[u32; 3]> {
-    let positions: Vec<[f64; 3]> = intra.positions.iter().map(|p| p.map(f64::from)).collect();
-    let islands = ComponentAreas::new(&positions, &intra.faces).on_islands(tuning.island);
-    let main: Vec<[u32; 3]> =
-        intra.faces.iter().filter(|face| !islands[face[0] as usize]).copied().collect();
-    let stride = (main.len() / tuning.samples).max(1);
-    main.into_iter().step_by(stride).collect()
 }
 
 /// The scans of a GoF's P-frames. Each is prepared when its turn comes.

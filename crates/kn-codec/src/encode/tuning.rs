@@ -120,8 +120,6 @@ impl Default for NodeTuning {
 pub(crate) struct SurrogateTuning {
     /// Number of faces whose centres are looked at, about.
     pub(crate) samples: usize,
-    /// A connected piece with less than this share of the area is an island: no sample lies on it.
-    pub(crate) island: f64,
     /// D of an RMS distance of the box's diagonal.
     pub(crate) per_distance: f64,
     /// D of normals at a right angle, in the mean.
@@ -132,7 +130,7 @@ pub(crate) struct SurrogateTuning {
 
 impl Default for SurrogateTuning {
     fn default() -> Self {
-        Self { samples: 4000, island: 0.01, per_distance: 15.0, per_bend: 0.87, worst: 1.0 }
+        Self { samples: 4000, per_distance: 15.0, per_bend: 0.87, worst: 1.0 }
     }
 }
 

@@ -6,7 +6,6 @@ pub(crate) struct Settings {
     pub(crate) nodes_per_vertex: usize,
     pub(crate) weight_scheme: i128,
     pub(crate) fallback: bool,
-    pub(crate) blended: bool,
     pub(crate) sigma: i128,
 }
 
@@ -61,38 +60,31 @@ pub(crate) const COSINE: [f64; 7] = [
 /// Slots of a vertex: node and weight.
 pub(crate) type Slots = Vec<(usize, f64)>;
 
-/// 8.2, for a vertex and nodes in grid steps. `reached` are the vertex's region and the near ones, each
-/// with the least squared distance that its nodes count as. `None` where strict mode finds no node.
+/// 8.2, for a vertex and nodes in grid steps; `None` where strict mode finds no node.
 pub(crate) fn bind(
     vertex: [i64; 3],
-    reached: &[(i64, i64)],
+    region: i64,
     nodes: &[([i64; 3], i64)],
     settings: &Settings,
 ) -> Option<Slots> {
     let squared = |node: usize| -> i64 {
         (0..3).map(|axis| (vertex[axis] - nodes[node].0[axis]).pow(2)).sum()
     };
-    let mut candidates = Vec::new();
-    let has_own = nodes.iter().any(|node| node.1 == reached[0].0);
-    for &(region, least) in reached {
-        let of_region = (0..nodes.len()).filter(|&node| nodes[node].1 == region);
-        let least = if has_own { least } else { 0 };
-        candidates.extend(of_region.map(|node| (squared(node).max(least), node)));
-    }
+    let mut candidates: Vec<usize> = (0..nodes.len()).filter(|&n| nodes[n].1 == region).collect();
     if candidates.is_empty() && settings.fallback {
-        candidates = (0..nodes.len()).map(|node| (squared(node), node)).collect();
+        candidates = (0..nodes.len()).collect();
     }
-    candidates.sort_unstable();
+    candidates.sort_by_key(|&node| (squared(node), node));
     let nearest = *candidates.first()?;
     let q = settings.nodes_per_vertex;
     let missing = q.saturating_sub(candidates.len());
     let mut slots = vec![nearest; missing];
     slots.extend(candidates.iter().take(q));
-    let floored = |squared: i64| squared.max(1) as f64;
-    let distances: Vec<f64> = slots.iter().map(|&(squared, _)| floored(squared)).collect();
-    let beyond = candidates.get(q).map(|&(squared, _)| floored(squared));
+    let floored = |node: usize| squared(node).max(1) as f64;
+    let distances: Vec<f64> = slots.iter().map(|&node| floored(node)).collect();
+    let beyond = candidates.get(q).map(|&node| floored(node));
     let weights = normalise(raw_weights(&distances, beyond, settings));
-    Some(slots.into_iter().map(|(_, node)| node).zip(weights).collect())
+    Some(slots.into_iter().zip(weights).collect())
 }
 
 fn raw_weights(distances: &[f64], beyond: Option<f64>, settings: &Settings) -> Vec<f64> {

@@ -10,7 +10,6 @@ mod geometry;
 mod intra;
 mod labels;
 mod motion;
-mod near;
 mod path;
 #[cfg(test)]
 mod printed;
@@ -29,7 +28,6 @@ use crate::spec::Spec;
 use crate::value::{Failure, TraceLine, Value};
 use deform::{Node, Settings, Slots, bind, blend, transform};
 use framing::Framing;
-use near::near_regions;
 use path::{Nodes, path};
 use smooth::smooth;
 
@@ -107,7 +105,6 @@ impl Oracle {
                     nodes_per_vertex: number(&self.header, "nodes_per_vertex") as usize,
                     weight_scheme: number(&self.header, "weight_scheme"),
                     fallback: number(&self.header, "influence_mode") == 1,
-                    blended: number(&self.header, "influence_blended") == 1,
                     sigma: 0,
                 };
             }
@@ -192,11 +189,10 @@ impl Oracle {
         self.settings.sigma = self.number("weight_sigma");
         let sites: Vec<_> =
             points.iter().zip(&self.nodes).map(|(&point, node)| (point, node.region)).collect();
-        let reached = self.reached_regions(&vertices);
-        let slots = |(&vertex, reached): (&[i64; 3], &Vec<(i64, i64)>)| {
-            bind(vertex, reached, &sites, &self.settings)
+        let slots = |(index, &vertex): (usize, &[i64; 3])| {
+            bind(vertex, self.region_of(self.vertex_label(index)), &sites, &self.settings)
         };
-        let influence: Option<_> = vertices.iter().zip(&reached).map(slots).collect();
+        let influence: Option<_> = vertices.iter().enumerate().map(slots).collect();
         self.influence = influence.ok_or(rule::DEFORM_INFLUENCE_STRICT)?;
         self.path = path(&Nodes {
             positions: &points,
@@ -206,20 +202,6 @@ impl Oracle {
             up_axis: number(&self.header, "up_axis") as usize,
         });
         Ok(())
-    }
-
-    /// 8.2: of every vertex its region, then the near ones, with the least squared distances of their nodes.
-    fn reached_regions(&self, vertices: &[[i64; 3]]) -> Vec<Vec<(i64, i64)>> {
-        let own = |vertex: usize| self.region_of(self.vertex_label(vertex));
-        let regions: Vec<i64> = (0..vertices.len()).map(own).collect();
-        let mut reached: Vec<_> = regions.iter().map(|&region| vec![(region, 0)]).collect();
-        if self.settings.blended {
-            let near = near_regions(vertices, &regions, &self.mesh.faces);
-            for (reached, near) in reached.iter_mut().zip(near) {
-                reached.extend(near.iter().map(|&(s, region)| (region, s * s)));
-            }
-        }
-        reached
     }
 
     fn is_affine(&self, node: usize, label: u8) -> bool {

@@ -6,7 +6,7 @@ use crate::error::{FitError, Side};
 use crate::fitter::Fitter;
 use crate::place::place_farthest;
 use crate::source::FitSource;
-use crate::surface::vertex_areas_without_islands;
+use crate::surface::vertex_areas;
 use crate::target::FitTarget;
 use kn_deform::{Influence, NodeTransform};
 use kn_mesh::vec3::{Vec3, distance, dot, sub};
@@ -19,11 +19,9 @@ pub(super) struct Setting<'a> {
     source: &'a NodeSource<'a>,
     key: &'a FitTarget,
     options: &'a GenerateOptions<'a>,
-    /// `#V`, 0 on islands.
+    /// `#V`.
     areas: Vec<f64>,
     area: f64,
-    /// `#samples of the key frame`, their shares of its area, 0 on islands.
-    key_weights: Vec<f64>,
     /// The key frame as MSDM2's original, where it ranks.
     original: Option<Msdm2Surface>,
 }
@@ -34,14 +32,8 @@ impl<'a> Setting<'a> {
         key: &'a FitTarget,
         options: &'a GenerateOptions<'a>,
     ) -> Self {
-        let areas = vertex_areas_without_islands(source.positions, source.faces);
-        let of_key = vertex_areas_without_islands(&key.positions, &key.faces);
-        let weight = |(&vertex, &weight): (&u32, &f64)| {
-            if of_key[vertex as usize] > 0.0 { weight } else { 0.0 }
-        };
-        let samples = key.sample.vertices.iter().zip(&key.sample.weights);
-        let key_weights = samples.map(weight).collect();
-        Self { area: areas.iter().sum(), areas, key_weights, source, key, options, original: None }
+        let areas = vertex_areas(source.positions, source.faces);
+        Self { area: areas.iter().sum(), areas, source, key, options, original: None }
     }
 
     /// Number of regions that have a vertex.
@@ -72,8 +64,7 @@ pub(super) struct Trial<'a> {
     /// `#N` vertices.
     pub(super) nodes: Vec<u32>,
     influence: Influence,
-    /// `#N`.
-    pub(super) transforms: Vec<NodeTransform>,
+    transforms: Vec<NodeTransform>,
     /// `#V × 3`.
     deformed: Vec<Vec3>,
     /// `#V` squared distances to the key frame.
@@ -222,11 +213,11 @@ impl<'a> Trial<'a> {
     /// Squared distances both ways, averaged over the neighbourhood: one vertex beside a hole
     /// needs no node.
     fn ranks_by_distance(&self) -> Result<Vec<f64>, FitError> {
-        let Setting { source, key, areas, area, key_weights, .. } = self.setting;
+        let Setting { source, key, areas, area, .. } = self.setting;
         let tree = TriangleTree::new(&self.deformed, source.faces)
             .map_err(|source| FitError::Tree { mesh: Side::Source, source })?;
         let mut ranks = self.errors.clone();
-        for (&vertex, &share) in key.sample.vertices.iter().zip(key_weights) {
+        for (&vertex, &share) in key.sample.vertices.iter().zip(&key.sample.weights) {
             let closest = tree.closest(key.positions[vertex as usize]);
             let energy = share * area * closest.distance_squared;
             for (corner, &v) in source.faces[closest.face as usize].iter().enumerate() {

@@ -199,12 +199,6 @@ impl Core<'_> {
             config().with_influence(InfluenceMode::Strict).with_nodes_per_vertex(8),
         )?;
         self.add(
-            ("blended", "Nodes beyond the border of a region move a vertex too, as far as their region is near."),
-            &["deform.influence.near", "deform.influence.blended", "header.influence.range"],
-            &short(&self.body),
-            config().with_influence(InfluenceMode::Blended).with_weights(Weights::SUMNER),
-        )?;
-        self.add(
             ("one_node_per_vertex", "With Q = 1 the weight is exactly 1."),
             &["header.nodes.meaning", "deform.weights.normalise"],
             &short(&self.plain),

@@ -158,14 +158,11 @@ const HEADER: &[Fault] = &[
     ("weight_scheme", "header.weight.known", "A reserved weighting scheme.", |t| {
         t.set("weight_scheme", 0, "3")
     }),
-    ("influence_blended", "header.influence.range", "Strict, and blended.", |t| {
-        t.set("influence_mode", 0, "0").set("influence_blended", 0, "1")
-    }),
     ("label_set", "header.labels.known", "A reserved set of labels.", |t| {
         t.set("label_set", 0, "3")
     }),
     ("header_reserved", "header.reserved.zero", "A reserved bit of the sequence header.", |t| {
-        t.after("influence_blended", 0, &["reserved_zero = 1"])
+        t.after("names_present", 0, &["reserved_zero = 1"])
     }),
     ("grid_origin", "header.origin.finite", "Not a number.", |t| {
         t.set("grid_origin", 0, "0.0 0x7ff8000000000000 0.0")

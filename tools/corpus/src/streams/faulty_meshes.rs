@@ -232,7 +232,7 @@ fn labels(plain: &[u8]) -> Result<Vec<Draft>> {
     let labelled = payload_of(&strip(8, Some([0, 0])))?;
     let strange = payload_of(&strip(8, Some([0, 15])))?;
     let (present, range) = ("intra.labels.present", "intra.labels.range");
-    let none = "label_set = 2\nnames_present = 0\ninfluence_blended = 0\ngrid_origin = 0.0 0.0 0.0\ngrid_step = 0.001\nlabel_count = 0\n";
+    let none = "label_set = 2\nnames_present = 0\ngrid_origin = 0.0 0.0 0.0\ngrid_step = 0.001\nlabel_count = 0\n";
     let start = HEADER.split("label_set").next().unwrap_or_default();
     let empty = payload(1, [0; 6], [vec![], vec![], vec![]]);
     Ok(vec![

@@ -21,7 +21,6 @@ mod uncommon_meshes;
 mod uncommon_motion;
 mod uncommon_paths;
 mod uncommon_readings;
-mod uncommon_regions;
 mod uncommon_smoothing;
 
 use std::path::Path;
@@ -75,7 +74,6 @@ fn uncommon_drafts() -> Result<Vec<Draft>> {
         uncommon_motion::drafts()?,
         uncommon_paths::drafts()?,
         uncommon_readings::drafts()?,
-        uncommon_regions::drafts()?,
         uncommon_smoothing::drafts()?,
     ];
     Ok(lists.concat())

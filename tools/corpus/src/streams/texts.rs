@@ -205,7 +205,6 @@ weight_scheme = 0
 influence_mode = 1
 label_set = 1
 names_present = 0
-influence_blended = 0
 grid_origin = 0.0 0.0 0.0
 grid_step = 0.001
 ";

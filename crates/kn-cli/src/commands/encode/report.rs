@@ -1,15 +1,12 @@
 //! The report of `kn encode`: a summary for the terminal, and all frames as JSON for `--report`.
 
-use super::islands::IslandNote;
 use crate::arguments::Global;
 use crate::commands::segment::confidence_json;
 use crate::stream;
 use crate::table::{counted, grouped};
-use kn_codec::{
-    CostReport, FrameReport, PredictedReport, StepReport, Stretch, StretchReport, Summary,
-};
+use kn_codec::{CostReport, FrameReport, PredictedReport, StepReport, Summary};
 use kn_io::ReadNotes;
-use kn_mesh::{CleanReport, Cleaned};
+use kn_mesh::CleanReport;
 use kn_segment::Segmentation;
 use kn_sequence::LabelWarnings;
 use serde::Serialize;
@@ -25,7 +22,6 @@ pub(super) struct Report {
     notes: ReadNotes,
     /// Warnings about the labels that came with the scans.
     pub(super) labels: LabelWarnings,
-    islands: IslandNote,
 }
 
 /// One frame as the JSON has it.
@@ -33,7 +29,6 @@ pub(super) struct Report {
 struct FrameEntry {
     file: PathBuf,
     cleaned: Value,
-    islands: Value,
     polygons: u64,
     not_carried: BTreeMap<String, u64>,
     coded: Option<CodedEntry>,
@@ -54,10 +49,8 @@ struct CodedEntry {
     cost: Option<Value>,
     input_faces: u32,
     decimation_error: f64,
-    label_bytes: u64,
     fit_rms: f64,
     error: Option<ErrorEntry>,
-    stretch: Option<Value>,
     parts: Option<PartsEntry>,
     reason: Option<String>,
 }
@@ -103,13 +96,12 @@ impl From<Segmentation> for PartsEntry {
 
 impl Report {
     /// A frame has been read and cleaned.
-    pub(super) fn read(&mut self, file: PathBuf, cleaned: &Cleaned, notes: ReadNotes) {
-        self.cleaned += cleaned.report;
-        let islands = self.islands.add(&cleaned.mesh);
+    pub(super) fn read(&mut self, file: PathBuf, cleaned: &CleanReport, notes: ReadNotes) {
+        self.cleaned += *cleaned;
         self.notes += &notes;
         let ReadNotes { polygons, ignored: not_carried, .. } = notes;
-        let cleaned = cleaned_json(&cleaned.report);
-        self.frames.push(FrameEntry { file, cleaned, islands, polygons, not_carried, coded: None });
+        let cleaned = cleaned_json(cleaned);
+        self.frames.push(FrameEntry { file, cleaned, polygons, not_carried, coded: None });
     }
 
     /// A frame has been coded; frames are read before they are coded.
@@ -132,10 +124,8 @@ impl Report {
             cost: predicted.and_then(|report| report.cost).map(cost_json),
             input_faces: common.input_faces,
             decimation_error: intra.map_or(0.0, |report| report.decimation_error),
-            label_bytes: intra.map_or(0, |report| report.label_bytes),
             fit_rms: predicted.map_or(0.0, |report| report.fit_rms),
             error: predicted.map(ErrorEntry::from),
-            stretch: predicted.map(|report| stretch_json(report.stretch)),
             parts: common.parts.clone().map(PartsEntry::from),
             reason: intra.and_then(|report| report.reason).map(|reason| reason.to_string()),
         });
@@ -150,7 +140,6 @@ impl Report {
         if !self.notes.is_empty() {
             global.note(&self.notes);
         }
-        self.islands.tell(global);
         self.labels.iter().for_each(|warning| global.note(warning));
         self.tell_decimation(global);
         self.tell_error(global);
@@ -270,12 +259,6 @@ fn steps_json(steps: StepReport) -> Value {
     json!({ "translation": translation, "rotation": rotation, "scale": scale, "shear": shear })
 }
 
-/// The 95 % and the 99.9 % quantile of the lengths of edges, relative to the I-frame's.
-fn stretch_json(report: StretchReport) -> Value {
-    let quantiles = |stretch: Option<Stretch>| stretch.map(|s| [s.most, s.nearly_all]);
-    json!({ "borders": quantiles(report.borders), "inside": quantiles(report.inside) })
-}
-
 fn cost_json(cost: CostReport) -> Value {
     let CostReport { distortion, bytes, total } = cost;
     json!({ "distortion": distortion, "bytes": bytes, "total": total })
@@ -290,7 +273,6 @@ fn cleaned_json(report: &CleanReport) -> Value {
         "degenerate": report.degenerate,
         "duplicate": report.duplicate,
         "unused": report.unused,
-        "island_faces": report.island_faces,
         "boundary_edges": report.boundary_edges,
         "non_manifold_edges": report.non_manifold_edges,
         "components": report.components,

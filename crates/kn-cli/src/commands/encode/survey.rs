@@ -27,8 +27,8 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    /// Reads every frame once. Islands with less than `drop_islands` of the area do not count.
-    pub(crate) fn new(inputs: &Inputs, drop_islands: Option<f64>, global: &Global) -> Result<Self> {
+    /// Reads every frame once.
+    pub(crate) fn new(inputs: &Inputs, global: &Global) -> Result<Self> {
         let bar = progress::bar(global, "reading", Some(inputs.len() as u64));
         let mut survey = Self {
             files: Vec::new(),
@@ -39,7 +39,7 @@ impl Survey {
             exact: ExactGrid::default(),
         };
         for frame in inputs.frames() {
-            survey.include(frame?, drop_islands)?;
+            survey.include(frame?)?;
             bar.step();
         }
         if survey.bounds.is_none() {
@@ -53,12 +53,8 @@ impl Survey {
         Ok(survey)
     }
 
-    fn include(&mut self, frame: InputFrame, drop_islands: Option<f64>) -> Result<()> {
-        let own = match drop_islands {
-            // Pieces are those of the welded mesh.
-            Some(share) => clean_scan(&frame)?.drop_islands(share).mesh.surface_box(),
-            None => frame.mesh.surface_box(),
-        };
+    fn include(&mut self, frame: InputFrame) -> Result<()> {
+        let own = frame.mesh.surface_box();
         if own.is_none() {
             // Cleaning says what is wrong with faces that have no area.
             clean_scan(&frame)?;

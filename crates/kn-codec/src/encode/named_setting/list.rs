@@ -68,7 +68,7 @@ pub(super) const SETTINGS: &[NamedSetting] = &[
     NamedSetting::new(Setting::Influence, "influence", "INFLUENCE", |config, text| {
         put(&mut config.motion.influence, parse(text)?)
     })
-    .about("Key nodes of other regions: move nothing, regions that have none, or what is near their border")
+    .about("Region without key nodes: an error, or moved by the nearest nodes of any region")
     .values(values::<InfluenceMode>)
     .expert(),
     NamedSetting::new(Setting::Affine, "affine", "AFFINE", |config, text| {
