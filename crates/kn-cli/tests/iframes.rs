@@ -125,7 +125,7 @@ fn lossless_keeps_a_vertex_in_no_face() {
     let stream = scans.text("a.knm");
     succeeds(["encode", &scans.text("square.obj"), "-o", &stream, "--lossless"]);
     succeeds(["decode", &stream, "-o", &scans.text("out")]);
-    let decoded = mesh(&scans.path("out/frame_0000.obj"));
+    let decoded = mesh(&scans.path("out/square.obj"));
     assert!(decoded.positions.contains(&[7.0, 0.0, 0.0]), "{:?}", decoded.positions);
 }
 

@@ -65,7 +65,9 @@ fn a_stream_is_measured_against_its_scans() {
         assert_eq!(found["frames"].as_array().map(Vec::len), Some(FRAMES));
         number(&found["mean"], "p2s_rms")
     };
-    assert_eq!(distance(&scans.text("out")), distance(&stream));
+    // The files have the digits that the grid needs, not all of a binary64 number.
+    let (files, stream) = (distance(&scans.text("out")), distance(&stream));
+    assert!((files - stream).abs() < 1e-4 * stream, "{files} and {stream}");
 }
 
 #[test]

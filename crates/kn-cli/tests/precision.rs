@@ -116,7 +116,8 @@ fn lossless_gives_decimals_back_or_says_why_not() {
     };
     let stream = scans.text("a.knm");
     for place in PLACES {
-        let scan = decimals(&moved(&scans, 0, place), 3);
+        // Millimetres, whatever the unit: on a finer lattice a body has more than 2^20 steps.
+        let scan = decimals(&moved(&scans, 0, place), if place.1 == 1.0 { 3 } else { 0 });
         let file = scans.path("mm_0.obj");
         write_mesh_in(&file, &scan, Precision::Double).expect("written");
         let file = file.to_string_lossy().into_owned();

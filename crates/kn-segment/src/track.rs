@@ -174,6 +174,10 @@ impl Segmenter {
         let unit = past.map_or_else(|| (TEMPLATE_AREA / surface.area()).sqrt(), |past| past.unit);
         surface.rescale(unit);
         let samples = surface.samples(SAMPLES);
+        // Pieces of just the share that dirt has may be dirt in another unit.
+        if samples.points.is_empty() {
+            return Ok(Segmentation::nobody(positions.len()));
+        }
 
         let (mut fit, way) = pose(&surface, &samples, past);
         let hem = undress(&surface, &samples, &mut fit, past);

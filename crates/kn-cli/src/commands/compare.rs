@@ -27,8 +27,8 @@ RMS and PSNR are those of 100,000 samples of each surface (--samples). Hausdorff
 take the vertices too.
 Meshes are compared as they are in their files; against a .knm file, whose scans were welded before
 encoding, they are welded too. Frames of a .knm file are checked against their digests. Sequences of
-different length are an error, unless --frames names only frames that both have. Two empty frames are
-equal, and do not count in means; where one is empty, distances are the diagonal and MSDM2 is 1.
+different length are an error, unless --frames names only frames that both have. Two empty frames
+are equal, and do not count in means; where one is empty, distances are the diagonal and MSDM2 is 1.
 
 Exit codes: 0 measured, 2 an error.
 

@@ -32,8 +32,8 @@ person.
 
 Scans are segmented in their order, and parts are tracked from frame to frame. Where one frame does
 not show which side is left, or shows a hand on the hip, the other frames help. Hands and lower arms
-that cannot be told from the torso join it. A frame in which no person is found is 14 everywhere; the
-file of an empty frame is empty.
+that cannot be told from the torso join it. A frame in which no person is found is 14 everywhere;
+the file of an empty frame is empty.
 
 kn encode finds the labels by itself. Use files to correct labels by hand. Use --check for the
 labels of another tool: it reports parts in two pieces that are far apart, and swapped sides.

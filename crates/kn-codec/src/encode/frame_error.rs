@@ -346,7 +346,7 @@ mod tests {
         };
         assert!(lifted(4.0, 12.0).is_ok(), "0.2 % of the area");
         assert!(lifted(12.0, 3.0).is_ok(), "near");
-        let limb = lifted(12.0, 15.0).expect_err("a limb");
+        let limb = lifted(12.0, 12.0).expect_err("a limb");
         assert!(matches!(limb, FitFailure::DistantRegion { share, .. } if share > 0.01), "{limb}");
     }
 

@@ -17,7 +17,11 @@ impl GroupEncoder {
     /// No face is left on the grid.
     pub(super) fn can_move(&self) -> Result<bool, InputFault> {
         let intra = self.reconstruction.intra();
-        if intra.faces.is_empty() {
+        // All vertices in one or two places: the scan is smaller than a step.
+        let mut places = intra.positions.iter();
+        let one = places.next();
+        let two = places.find(|&place| Some(place) != one);
+        if places.all(|place| Some(place) == one || Some(place) == two) {
             return Err(InputFault::NothingLeft { step: self.grid.step });
         }
         Ok(has_area(&intra.faces, |v| intra.positions[v as usize].map(f64::from)))
